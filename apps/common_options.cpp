@@ -1,0 +1,42 @@
+#include "common_options.h"
+
+#include "edge_mcl/core/error.h"
+
+namespace edge_mcl {
+
+void ParameterOptions::addTo(CLI::App* command) {
+  command->add_option("--params", file_, "YAML file with parameters (see `edge-mcl parameters`)");
+  command->add_option("--set", assignments_,
+                      "one parameter, e.g. --set likelihood.sigma=2 (repeatable)");
+  command->add_option("--particles", particles_, "number of particles (filter.particles)");
+  command->add_option("--likelihood", likelihood_, "paper or robust (likelihood.model)");
+  command->add_option("--seed", seed_, "seed of the random generator (filter.seed)");
+}
+
+Parameters ParameterOptions::load() const {
+  Parameters params;
+  if (!file_.empty()) params.loadYaml(file_);
+  std::string faults;
+  const auto set = [&](const std::string& name, const std::string& value) {
+    try {
+      params.set(name, value);
+    } catch (const ParameterError& e) {
+      faults += std::string(faults.empty() ? "" : "; ") + e.what();
+    }
+  };
+  for (const std::string& assignment : assignments_) {
+    const auto equals = assignment.find('=');
+    if (equals == std::string::npos)
+      faults += (faults.empty() ? "" : "; ") + ("--set " + assignment + ": name=value expected");
+    else
+      set(assignment.substr(0, equals), assignment.substr(equals + 1));
+  }
+  if (!particles_.empty()) set("filter.particles", particles_);
+  if (!likelihood_.empty()) set("likelihood.model", likelihood_);
+  if (!seed_.empty()) set("filter.seed", seed_);
+  if (!faults.empty()) throw ParameterError(faults);
+  params.validate();
+  return params;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,189 @@
+// edge-mcl localize: a sequence and a model in, a trajectory with covariance out.
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "common_options.h"
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/overlay.h"
+#include "edge_mcl/core/trajectory_evaluation.h"
+#include "edge_mcl/mrpt_plugins/sequence_localizer.h"
+#include "progress_bar.h"
+
+namespace edge_mcl {
+
+namespace {
+
+struct LocalizeOptions {
+  std::string sequence, model, out = "est.txt", stats, overlay, plot, initial_std, backend = "auto";
+  bool no_mask = false, json = false;
+  ParameterOptions parameters;
+};
+
+nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
+  nlohmann::json j;
+  j["time"] = frame.time_text;
+  j["updated"] = r.updated;
+  if (!r.problem.empty()) j["problem"] = r.problem;
+  const UpdateReport& u = r.report;
+  j["ess"] = u.effective_sample_size;
+  j["tempering"] = u.tempering;
+  j["visible_lines"] = u.visible_lines;
+  j["visible_samples"] = u.visible_samples;
+  j["match_ratio"] = u.used_samples > 0 ? static_cast<double>(u.matched_samples) / u.used_samples : 0;
+  j["log_likelihood"] = u.log_likelihood;
+  j["refined_modes"] = u.refined_modes;
+  j["ms"] = {{"reading", r.reading_ms},          {"edges", r.image_times.edges},
+             {"field", r.image_times.field},     {"table", r.image_times.table},
+             {"likelihood", u.likelihood_ms},    {"refinement", u.refinement_ms},
+             {"filter", u.total_ms},
+             {"update", r.image_times.edges + r.image_times.field + r.image_times.table +
+                            u.total_ms}};
+  const Matrix6 c = covarianceInMapAxes(r.estimate);
+  std::vector<double> covariance(c.data(), c.data() + 36);
+  j["covariance"] = covariance;
+  return j;
+}
+
+std::pair<double, double> parseInitialStd(const std::string& text) {
+  double metres = NAN, degrees = NAN;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf%c", &metres, &degrees, &rest) != 2 || !(metres >= 0) ||
+      !(degrees >= 0) || !std::isfinite(metres + degrees))
+    throw ParameterError("--initial-std " + text + ": two numbers expected, metres,degrees");
+  return {metres, degrees * M_PI / 180};
+}
+
+void writeJson(const std::string& file, const nlohmann::json& content) {
+  std::ofstream out(file);
+  out << content.dump(1) << "\n";
+  if (!out.flush()) throw InputError(file + ": cannot be written");
+}
+
+/// Reference poses of the sequence, for the summary and the plot.
+Trajectory truthOf(const Sequence& sequence) {
+  Trajectory truth;
+  for (const SequenceFrame& f : sequence.frames)
+    if (f.ground_truth) truth.push_back({f.time, f.time_text, *f.ground_truth});
+  return truth;
+}
+
+int run(const LocalizeOptions& o) {
+  const Parameters params = o.parameters.load();
+  if (o.backend != "auto" && o.backend != "cpu")
+    throw ParameterError("--backend " + o.backend + ": this build has only the CPU backend (cpu)");
+  const Sequence sequence = readSequence(o.sequence);
+  for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
+  const std::string model = o.model.empty() ? sequence.model_file : o.model;
+  if (model.empty())
+    throw InputError(o.sequence + ": no model.obj in it; name the model with --model");
+  const LocalizationMap map(model, params);
+  for (const std::string& w : map.mesh().report.warnings)
+    std::fprintf(stderr, "warning: %s: %s\n", model.c_str(), w.c_str());
+  SequenceLocalizer localizer(map, sequence, !o.no_mask);
+  if (!o.initial_std.empty()) {
+    const auto [metres, radians] = parseInitialStd(o.initial_std);
+    localizer.setInitialSpread(metres, radians);
+  }
+
+  std::ofstream out(o.out);
+  if (!out) throw InputError(o.out + ": cannot be written");
+  out << "# T_map_camera by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
+  if (!o.overlay.empty()) {
+    std::error_code problem;
+    std::filesystem::create_directories(o.overlay, problem);
+    if (problem) throw InputError(o.overlay + ": cannot be made: " + problem.message());
+  }
+  nlohmann::json per_image = nlohmann::json::array();
+  std::vector<double> update_ms;
+  size_t unusable = 0;
+  Trajectory estimate;
+  ProgressBar bar(sequence.name, localizer.frameCount());
+  for (const SequenceFrame& frame : sequence.frames) {
+    const FrameResult r = localizer.step();
+    if (!r.updated) ++unusable;
+    if (!r.problem.empty()) bar.note("warning: " + r.problem);
+    // Flushed line by line: an interrupted run keeps what it has computed.
+    out << formatPose(frame.time_text, r.estimate.mean) << std::endl;
+    if (!out) throw InputError(o.out + ": cannot be written (disk full?)");
+    estimate.push_back({frame.time, frame.time_text, r.estimate.mean});
+    nlohmann::json entry = jsonOf(r, frame);
+    if (r.updated) update_ms.push_back(entry["ms"]["update"].get<double>());
+    per_image.push_back(std::move(entry));
+    if (!o.overlay.empty() && r.image) {
+      const std::string file = o.overlay + "/" + frame.time_text + ".png";
+      if (!cv::imwrite(file, drawOverlay(map, *r.image, r.estimate.mean)))
+        throw InputError(file + ": cannot be written");
+    }
+    bar.advance();
+  }
+
+  const Trajectory truth = truthOf(sequence);
+  if (!o.plot.empty() && !cv::imwrite(o.plot, drawTrajectories(estimate, truth)))
+    throw InputError(o.plot + ": cannot be written");
+  const ErrorSummary timing = summarize(update_ms);
+  nlohmann::json summary;
+  summary["sequence"] = sequence.name;
+  summary["model"] = model;
+  summary["backend"] = map.backend().name();
+  summary["likelihood"] = params.get("likelihood.model");
+  summary["particles"] = params.filter.particles;
+  summary["seed"] = params.filter.seed;
+  summary["images"] = sequence.frames.size();
+  summary["unusable_images"] = unusable;
+  summary["update_ms_median"] = timing.median;
+  summary["update_ms_p90"] = timing.p90;
+  if (!truth.empty()) {
+    const TrajectoryErrors e = evaluateTrajectory(estimate, truth);
+    summary["position_error_median_m"] = e.position_summary.median;
+    summary["rotation_error_median_deg"] = e.rotation_summary.median;
+    summary["within_10cm_3deg"] = e.success_share;
+  }
+  if (!o.stats.empty()) writeJson(o.stats, {{"summary", summary}, {"images", per_image}});
+  if (o.json) {
+    std::printf("%s\n", summary.dump(1).c_str());
+  } else {
+    std::printf("%s: %zu images, %zu unusable, %d particles, %s, update median %.1f ms\n",
+                sequence.name.c_str(), sequence.frames.size(), unusable, params.filter.particles,
+                map.backend().name().c_str(), timing.median);
+    if (!truth.empty())
+      std::printf("error: median %.2f cm, %.2f deg; within 10 cm and 3 deg: %.1f %%\n",
+                  100 * summary["position_error_median_m"].get<double>(),
+                  summary["rotation_error_median_deg"].get<double>(),
+                  100 * summary["within_10cm_3deg"].get<double>());
+    std::printf("trajectory: %s\n", o.out.c_str());
+  }
+  return unusable > 0 ? kExitIncomplete : kExitOk;
+}
+
+}  // namespace
+
+void addLocalize(CLI::App* app, Action* action) {
+  auto o = std::make_shared<LocalizeOptions>();
+  CLI::App* c = app->add_subcommand("localize", "track a recorded sequence in its 3D model");
+  c->add_option("sequence", o->sequence,
+                "directory with rgb.txt, camera.yaml, sequence.yaml (see docs/sequences.md)")
+      ->required();
+  c->add_option("--model", o->model, "model file, if not SEQUENCE/model.obj");
+  c->add_option("--backend", o->backend, "auto, cpu or cuda");
+  c->add_option("--initial-std", o->initial_std,
+                "spread of the first particles as metres,degrees");
+  c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
+  c->add_option("--out", o->out, "trajectory to write (TUM format)");
+  c->add_option("--stats", o->stats, "JSON file with timings, ESS, covariance per image");
+  c->add_option("--overlay", o->overlay,
+                "directory for pictures: model edges green, image edges blue, normals red");
+  c->add_option("--plot", o->plot, "picture of the trajectory");
+  c->add_flag("--json", o->json, "print the summary as JSON");
+  o->parameters.addTo(c);
+  c->callback([o, action] { *action = [o] { return run(*o); }; });
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,58 @@
+// edge-mcl: localization of a camera in a 3D model, from the command line.
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "common_options.h"
+#include "edge_mcl/core/error.h"
+
+int main(int argc, char** argv) {
+  using namespace edge_mcl;
+  CLI::App app{
+      "Finds the 6-DoF pose of a camera inside a known 3D model by Monte-Carlo localization on "
+      "edges.\n\nTypical first steps:\n"
+      "  edge-mcl inspect model.obj --picture model.png   is the model read as I expect?\n"
+      "  edge-mcl localize SEQUENCE --out est.txt         camera images in, trajectory out\n"
+      "  edge-mcl evaluate est.txt groundtruth.txt        how good is it?\n\n"
+      "Exit codes: 0 done; 2 wrong options or parameters; 3 a file is missing or broken; 4 done, "
+      "but some images could not be used; 5 internal error."};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", EDGE_MCL_VERSION);
+  int threads = 0;
+  app.add_option("--threads", threads, "CPU threads; 0 = all (results do not depend on it)")
+      ->check(CLI::Range(0, 1024));
+  app.fallthrough();
+  Action action;
+  addLocalize(&app, &action);
+  addInspect(&app, &action);
+  addEvaluate(&app, &action);
+  addBasin(&app, &action);
+  addRawlog(&app, &action);
+  addBench(&app, &action);
+  addParameters(&app, &action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+  }
+  std::unique_ptr<tbb::global_control> limit;
+  if (threads > 0)
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  static_cast<size_t>(threads));
+  cv::setNumThreads(threads > 0 ? threads : -1);
+  try {
+    return action();
+  } catch (const ParameterError& e) {
+    std::fprintf(stderr, "edge-mcl: %s\n", e.what());
+    return kExitUsage;
+  } catch (const InputError& e) {
+    std::fprintf(stderr, "edge-mcl: %s\n", e.what());
+    return kExitInput;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "edge-mcl: internal error: %s\n", e.what());
+    return kExitInternal;
+  }
+}

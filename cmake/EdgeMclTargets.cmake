@@ -1,0 +1,36 @@
+# What every target of the project shares.
+
+add_library(edge_mcl_build_flags INTERFACE)
+target_compile_options(edge_mcl_build_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+if(EDGE_MCL_WERROR)
+  target_compile_options(edge_mcl_build_flags INTERFACE -Werror)
+endif()
+# One result whatever the optimiser does: no contraction of a*b+c behind the reader's back.
+target_compile_options(edge_mcl_build_flags INTERFACE -ffp-contract=off)
+if(EDGE_MCL_SANITIZE)
+  target_compile_options(edge_mcl_build_flags INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer -g)
+  target_link_options(edge_mcl_build_flags INTERFACE -fsanitize=address,undefined)
+endif()
+
+# Headers lie beside their sources and are included as <edge_mcl/ROOM/...>, in the tree as after
+# installation.
+set(EDGE_MCL_INCLUDE_TREE "${CMAKE_CURRENT_BINARY_DIR}/edge_mcl_include")
+file(MAKE_DIRECTORY "${EDGE_MCL_INCLUDE_TREE}/edge_mcl")
+
+function(edge_mcl_library target room)
+  file(CREATE_LINK "${CMAKE_CURRENT_SOURCE_DIR}" "${EDGE_MCL_INCLUDE_TREE}/edge_mcl/${room}"
+    SYMBOLIC)
+  add_library(edge_mcl::${target} ALIAS ${target})
+  target_include_directories(${target} PUBLIC
+    "$<BUILD_INTERFACE:${EDGE_MCL_INCLUDE_TREE}>"
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:edge_mcl_build_flags>)
+  set_target_properties(${target} PROPERTIES
+    VERSION ${PROJECT_VERSION} SOVERSION 0 INSTALL_RPATH "$ORIGIN")
+  install(TARGETS ${target} EXPORT edge_mclTargets
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/"
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/edge_mcl/${room}" FILES_MATCHING PATTERN "*.h")
+endfunction()

@@ -1,0 +1,58 @@
+/// Pinhole camera with the distortion models of ROS `camera_info`.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+
+namespace edge_mcl {
+
+enum class DistortionModel { kNone, kPlumbBob, kRationalPolynomial, kEquidistant };
+
+/// Intrinsics; the camera frame is optical (x right, y down, z forward), the centre of the
+/// top-left pixel is (0, 0).
+///
+/// Distortion, with (x, y) = (X/Z, Y/Z) and r2 = x^2 + y^2, as in the OpenCV documentation:
+///  - plumb_bob, coefficients (k1 k2 p1 p2 k3);
+///  - rational_polynomial (k1 k2 p1 p2 k3 k4 k5 k6);
+///  - equidistant (k1 k2 k3 k4): theta_d = theta (1 + k1 theta^2 + ... + k4 theta^8).
+struct CameraModel {
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  DistortionModel distortion = DistortionModel::kNone;
+  std::array<double, 8> coefficients{};
+  /// Points with r2 (equidistant: theta^2) beyond this are outside the monotone part of the
+  /// distortion: they would fold back into the image. Set by validate().
+  double max_radius2 = 1e12;
+
+  /// Checks the numbers and computes max_radius2. @throws InputError listing every fault.
+  void validate(const std::string& origin);
+
+  /// Projects a point of the camera frame.
+  /// @param jacobian optional d(u, v) / d(X, Y, Z).
+  /// @return false when the point is behind the camera or outside the valid cone; the pixel may
+  ///   still lie outside the image.
+  bool project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel,
+               Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
+
+  bool contains(const Eigen::Vector2d& pixel) const {
+    return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= width - 1 && pixel.y() <= height - 1;
+  }
+
+  /// Largest angle (radians) between the optical axis and a ray that meets the image.
+  double maxViewAngle() const;
+
+  /// Reads the YAML that ROS's camera_calibration writes.
+  /// @throws InputError naming the file and the missing or wrong key.
+  static CameraModel fromYamlFile(const std::string& file);
+  /// From the fields of a camera_info message. @param origin named in errors.
+  static CameraModel fromFields(int width, int height, const std::array<double, 9>& k,
+                                const std::string& distortion_model, const double* d, size_t d_size,
+                                const std::string& origin);
+
+  /// Depth below which nothing is projected, metres.
+  static constexpr double kMinDepth = 0.01;
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,65 @@
+/// Distance to the nearest image edge of matching direction, along the normal of a model edge,
+/// for every pixel and every direction: the search of the paper, done once per image.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "edge_mcl/core/image_edges.h"
+#include "edge_mcl/core/parameters.h"
+
+namespace edge_mcl {
+
+/// Direction of an undirected line in the image as a number in [0, 2): the position on the unit
+/// diamond |du| + |dv| = 1, a monotone stand-in for the angle in [0, pi) without trigonometry.
+double diamondAngle(double du, double dv);
+/// Unit direction of a diamond angle.
+Eigen::Vector2d diamondDirection(double diamond_angle);
+
+/// Table over bins of the edge's direction; bin b stands for the diamond angle 2 b / bins.
+class EdgeField {
+ public:
+  EdgeField(const EdgeImage& image, const ImageParameters& params);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int bins() const { return bins_; }
+  /// Pixel steps to the nearest edge at row-major (y, x); noEdge(bin) where none is in reach.
+  const uint8_t* steps(int bin) const { return &steps_[static_cast<size_t>(bin) * plane()]; }
+  uint8_t noEdge(int bin) const { return no_edge_[bin]; }
+  /// Length of one step along the normal of a bin, pixels (1 to sqrt 2).
+  double stepLength(int bin) const { return step_length_[bin]; }
+  /// Distance in pixels, infinity where no edge is in reach.
+  double distance(int bin, int x, int y) const;
+  /// Share of the (not ignored) pixels with no edge in reach.
+  double emptyShare(int bin) const { return empty_share_[bin]; }
+  double searchLength() const { return search_length_; }
+  /// CV_8U ignore mask, empty without one.
+  const cv::Mat& ignore() const { return ignore_; }
+
+ private:
+  size_t plane() const { return static_cast<size_t>(width_) * height_; }
+  int width_, height_, bins_;
+  double search_length_;
+  std::vector<uint8_t> steps_;
+  std::vector<uint8_t> no_edge_;
+  std::vector<double> step_length_;
+  std::vector<double> empty_share_;
+  cv::Mat ignore_;
+};
+
+/// An image edge found on the normal of a model edge.
+struct NormalHit {
+  bool found = false;
+  double distance = 0;  ///< signed, pixels along the normal
+  int x = 0, y = 0;     ///< the edge pixel
+};
+
+/// The search to the letter: walks from `pixel` along `normal` (unit) to both sides in half-pixel
+/// steps, at most `length` pixels, to the nearest edge whose direction differs by at most
+/// `tolerance_cos` (cosine) from the model edge's.
+NormalHit searchAlongNormal(const EdgeImage& image, const Eigen::Vector2d& pixel,
+                            const Eigen::Vector2d& normal, double length, double tolerance_cos);
+
+}  // namespace edge_mcl

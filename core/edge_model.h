@@ -1,0 +1,57 @@
+/// The model's edges, sampled: what a camera can see of a building as lines.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/parameters.h"
+
+namespace edge_mcl {
+
+enum class EdgeKind : uint8_t {
+  kCrease,    ///< dihedral angle above the threshold
+  kBoundary,  ///< one face only
+  kMaterial,  ///< between two materials on a smooth surface
+  kLine,      ///< explicit line element of the file
+  kContour    ///< may be the outline of a smooth surface, depending on the viewpoint
+};
+constexpr int kEdgeKinds = 5;
+const char* edgeKindName(EdgeKind kind);
+
+/// A straight piece of a feature edge, in the map frame.
+struct EdgeLine {
+  Eigen::Vector3f start, end;
+  EdgeKind kind = EdgeKind::kCrease;
+  uint32_t first_sample = 0;
+  uint32_t sample_count = 0;
+  /// The "line" of equations (2) and (3): a straight line, or the short contour pieces of one
+  /// smooth surface together.
+  uint32_t group = 0;
+  /// Contours only: normals of the two faces. The line is an outline as seen from c where
+  /// exactly one of them faces c.
+  Eigen::Vector3f normal_a = Eigen::Vector3f::Zero(), normal_b = Eigen::Vector3f::Zero();
+
+  Eigen::Vector3f tangent() const { return (end - start).normalized(); }
+  float length() const { return (end - start).norm(); }
+};
+
+/// Lines, ordered by group, and their samples, ordered by line.
+struct EdgeModel {
+  std::vector<EdgeLine> lines;
+  std::vector<Eigen::Vector3f> sample_position;  ///< map frame, metres
+  std::vector<uint32_t> sample_line;             ///< index into lines
+  uint32_t group_count = 0;
+  double sample_step = 0;     ///< metres, as used
+  double feature_length = 0;  ///< metres, without contours
+  size_t merged_pieces = 0;   ///< collinear or duplicate pieces that became part of another line
+
+  size_t countOf(EdgeKind kind) const;
+};
+
+/// Finds the feature edges of a mesh, merges collinear pieces and samples them. Fills the
+/// topological counts of `mesh.report`.
+EdgeModel buildEdgeModel(MeshModel* mesh, const MapParameters& params);
+
+}  // namespace edge_mcl

@@ -1,0 +1,45 @@
+/// One batch interface for the measurement model, whatever computes it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "edge_mcl/core/camera_model.h"
+#include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/score_table.h"
+#include "edge_mcl/core/se3.h"
+#include "edge_mcl/core/visibility.h"
+
+namespace edge_mcl {
+
+/// Everything about one image that the likelihood needs.
+struct LikelihoodFrame {
+  CameraModel camera;
+  std::shared_ptr<const ScoreTable> table;
+  LikelihoodParameters params;
+};
+
+/// What the image says of one pose.
+struct PoseScore {
+  /// log W of equation (3), or the discounted sum of log-ratios (robust). Always finite.
+  double log_likelihood = 0;
+  float sample_weight = 0;  ///< samples inside the image and not ignored (faded ones count partly)
+  float line_count = 0;     ///< lines with at least one such sample
+};
+
+/// Scores of poses against one image. A single pose is a batch of one and gives the same bits as
+/// inside a larger batch.
+class LikelihoodBackend {
+ public:
+  virtual ~LikelihoodBackend() = default;
+  /// @param camera_poses T_map_camera. @throws Error when a pose is not valid (NaN).
+  virtual std::vector<PoseScore> evaluate(const LikelihoodFrame& frame,
+                                          const std::vector<Pose>& camera_poses) const = 0;
+  virtual std::string name() const = 0;
+};
+
+/// Total log-likelihood from the two sums a kernel produces.
+double combineLines(const LikelihoodParameters& params, double line_sum, double line_count);
+
+}  // namespace edge_mcl

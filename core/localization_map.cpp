@@ -1,0 +1,86 @@
+#include "edge_mcl/core/localization_map.h"
+
+#include <chrono>
+
+#include "edge_mcl/core/edge_field.h"
+#include "edge_mcl/core/error.h"
+
+namespace edge_mcl {
+
+LocalizationMap::LocalizationMap(const std::string& model_file, const Parameters& params)
+    : params_(params) {
+  params_.validate();
+  mesh_ = std::make_unique<MeshModel>(loadMesh(model_file, params_.map));
+  build();
+  if (edges_->lines.empty())
+    throw InputError(model_file +
+                     ": no feature edge in it (map.crease_angle_deg, map.boundaries, map.contours)");
+}
+
+LocalizationMap::LocalizationMap(MeshModel mesh, const Parameters& params) : params_(params) {
+  params_.validate();
+  mesh_ = std::make_unique<MeshModel>(std::move(mesh));
+  build();
+}
+
+void LocalizationMap::build() {
+  edges_ = std::make_unique<EdgeModel>(buildEdgeModel(mesh_.get(), params_.map));
+  visibility_ = std::make_shared<Visibility>(*mesh_, *edges_, params_.visibility);
+  backend_ = std::make_unique<CpuBackend>(visibility_);
+  refiner_ = std::make_unique<PoseRefiner>(params_.refinement, params_.likelihood, params_.image);
+}
+
+std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel& camera,
+                                                              const cv::Mat& image,
+                                                              const cv::Mat& mask,
+                                                              const std::string& origin) const {
+  using Clock = std::chrono::steady_clock;
+  const auto milliseconds = [](Clock::time_point a, Clock::time_point b) {
+    return std::chrono::duration<double, std::milli>(b - a).count();
+  };
+  if (image.cols != camera.width || image.rows != camera.height)
+    throw InputError(origin + ": the image has " + std::to_string(image.cols) + "x" +
+                     std::to_string(image.rows) + " pixels, camera_info says " +
+                     std::to_string(camera.width) + "x" + std::to_string(camera.height));
+  auto prepared = std::make_shared<PreparedImage>();
+  const auto t0 = Clock::now();
+  prepared->edges = findEdges(image, mask, params_.image, origin);
+  const auto t1 = Clock::now();
+  const EdgeField field(prepared->edges, params_.image);
+  const auto t2 = Clock::now();
+  prepared->frame = {camera, std::make_shared<ScoreTable>(field, params_.likelihood),
+                     params_.likelihood};
+  const auto t3 = Clock::now();
+  prepared->times = {milliseconds(t0, t1), milliseconds(t1, t2), milliseconds(t2, t3)};
+  return prepared;
+}
+
+std::vector<PoseScore> LocalizationMap::evaluate(const std::vector<CameraView>& views,
+                                                 const std::vector<Pose>& base_poses) const {
+  std::vector<PoseScore> total(base_poses.size());
+  for (const CameraView& view : views) {
+    std::vector<Pose> camera_poses(base_poses);
+    for (Pose& pose : camera_poses) pose = pose * view.T_base_camera;
+    const std::vector<PoseScore> scores = backend_->evaluate(view.image->frame, camera_poses);
+    for (size_t i = 0; i < scores.size(); ++i) {
+      total[i].log_likelihood += scores[i].log_likelihood;
+      total[i].sample_weight += scores[i].sample_weight;
+      total[i].line_count += scores[i].line_count;
+    }
+  }
+  return total;
+}
+
+RefinementResult LocalizationMap::refine(const std::vector<CameraView>& views, const Pose& start,
+                                         const std::optional<PoseGaussian>& prior) const {
+  std::vector<RefinementView> refinement_views;
+  for (const CameraView& view : views) {
+    const Eigen::Vector3d eye = (start * view.T_base_camera).translation();
+    refinement_views.push_back({&view.image->frame.camera, &view.image->edges,
+                                visibility_->cached(visibility_->cellOf(eye)),
+                                view.T_base_camera});
+  }
+  return refiner_->refine(refinement_views, start, prior);
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,74 @@
+/// A model with all that is needed to score camera poses in it: the front door of core/.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "edge_mcl/core/cpu_backend.h"
+#include "edge_mcl/core/edge_model.h"
+#include "edge_mcl/core/image_edges.h"
+#include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/pose_refiner.h"
+#include "edge_mcl/core/visibility.h"
+
+namespace edge_mcl {
+
+/// Durations of the stages of one image, milliseconds.
+struct StageTimes {
+  double edges = 0, field = 0, table = 0;
+};
+
+/// A camera image, ready to be compared with poses. Immutable and shareable.
+struct PreparedImage {
+  EdgeImage edges;
+  LikelihoodFrame frame;
+  StageTimes times;
+};
+
+/// An image and where its camera sits on the robot.
+struct CameraView {
+  std::shared_ptr<const PreparedImage> image;
+  Pose T_base_camera = Pose::Identity();
+};
+
+class LocalizationMap {
+ public:
+  /// Loads and prepares a model file. @throws InputError, ParameterError
+  LocalizationMap(const std::string& model_file, const Parameters& params);
+  /// From a mesh in memory.
+  LocalizationMap(MeshModel mesh, const Parameters& params);
+
+  const Parameters& params() const { return params_; }
+  const MeshModel& mesh() const { return *mesh_; }
+  const EdgeModel& edges() const { return *edges_; }
+  const Visibility& visibility() const { return *visibility_; }
+  const CpuBackend& backend() const { return *backend_; }
+
+  /// @param mask empty for none. @throws InputError on a size that is not the camera's.
+  std::shared_ptr<const PreparedImage> prepare(const CameraModel& camera, const cv::Mat& image,
+                                               const cv::Mat& mask,
+                                               const std::string& origin) const;
+
+  /// Scores T_map_base poses: sums over the views.
+  std::vector<PoseScore> evaluate(const std::vector<CameraView>& views,
+                                  const std::vector<Pose>& base_poses) const;
+
+  /// Refines T_map_base; visibility is taken at the start.
+  RefinementResult refine(const std::vector<CameraView>& views, const Pose& start,
+                          const std::optional<PoseGaussian>& prior) const;
+
+ private:
+  void build();
+  Parameters params_;
+  // Behind pointers: Visibility refers to mesh and edges, and the map can be moved.
+  std::unique_ptr<MeshModel> mesh_;
+  std::unique_ptr<EdgeModel> edges_;
+  std::shared_ptr<Visibility> visibility_;
+  std::unique_ptr<CpuBackend> backend_;
+  std::unique_ptr<PoseRefiner> refiner_;
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,117 @@
+// Reading mesh files through assimp.
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <Eigen/Geometry>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/mesh_model.h"
+
+namespace edge_mcl {
+
+namespace {
+
+void appendMesh(const aiMesh& mesh, const aiMatrix4x4& to_root, const Eigen::Affine3d& to_map,
+                const std::string& origin, MeshSoup* soup) {
+  const auto offset = static_cast<uint32_t>(soup->vertices.size());
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    const aiVector3D v = to_root * mesh.mVertices[i];
+    soup->vertices.push_back((to_map * Eigen::Vector3d(v.x, v.y, v.z)).cast<float>());
+  }
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    const aiFace& face = mesh.mFaces[i];
+    for (unsigned k = 0; k < face.mNumIndices; ++k)
+      if (face.mIndices[k] >= mesh.mNumVertices)
+        throw InputError(origin + ": a face refers to a vertex that does not exist");
+    if (face.mNumIndices == 2) {
+      soup->lines.push_back({offset + face.mIndices[0], offset + face.mIndices[1]});
+    } else if (face.mNumIndices == 3) {
+      soup->triangles.push_back(
+          {offset + face.mIndices[0], offset + face.mIndices[1], offset + face.mIndices[2]});
+      soup->triangle_material.push_back(mesh.mMaterialIndex);
+    }
+  }
+}
+
+void appendNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent,
+                const Eigen::Affine3d& to_map, const std::string& origin, MeshSoup* soup) {
+  const aiMatrix4x4 to_root = parent * node.mTransformation;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i)
+    if (node.mMeshes[i] < scene.mNumMeshes)
+      appendMesh(*scene.mMeshes[node.mMeshes[i]], to_root, to_map, origin, soup);
+  for (unsigned i = 0; i < node.mNumChildren; ++i)
+    appendNode(scene, *node.mChildren[i], to_root, to_map, origin, soup);
+}
+
+Eigen::Affine3d mapTransform(const MapParameters& params) {
+  constexpr double kDegree = M_PI / 180;
+  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
+  transform.translate(Eigen::Vector3d(params.x, params.y, params.z));
+  transform.rotate(Eigen::AngleAxisd(params.yaw_deg * kDegree, Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(params.pitch_deg * kDegree, Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(params.roll_deg * kDegree, Eigen::Vector3d::UnitX()));
+  transform.scale(params.scale);
+  return transform;
+}
+
+void addScaleWarnings(MeshModel* mesh) {
+  const double diagonal = mesh->diagonal();
+  if (diagonal > 2000)
+    mesh->report.warnings.push_back("the model is " + std::to_string(std::lround(diagonal)) +
+                                    " m across: in millimetres? (map.scale 0.001)");
+  if (diagonal < 0.02)
+    mesh->report.warnings.push_back("the model is less than 2 cm across: wrong map.scale?");
+  if (mesh->report.degenerate_triangles > 0)
+    mesh->report.warnings.push_back(std::to_string(mesh->report.degenerate_triangles) +
+                                    " degenerate triangles dropped");
+  if (mesh->report.duplicate_triangles > 0)
+    mesh->report.warnings.push_back(std::to_string(mesh->report.duplicate_triangles) +
+                                    " duplicate triangles dropped");
+  if (mesh->report.zero_length_lines > 0)
+    mesh->report.warnings.push_back(std::to_string(mesh->report.zero_length_lines) +
+                                    " lines without length dropped");
+}
+
+}  // namespace
+
+MeshModel loadMesh(const std::string& file, const MapParameters& params) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) throw InputError(file + ": is a directory");
+  if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
+  MeshSoup soup;
+  {
+    Assimp::Importer importer;
+    // Comments, colours and texture coordinates are not needed; faces become triangles, but line
+    // elements stay.
+    const aiScene* scene = nullptr;
+    try {
+      scene = importer.ReadFile(file, aiProcess_Triangulate);
+    } catch (const std::exception& e) {
+      throw InputError(file + ": not readable as a 3D model: " + e.what());
+    }
+    if (!scene || !scene->mRootNode)
+      throw InputError(file + ": not readable as a 3D model: " + importer.GetErrorString());
+    soup.material_count = std::max(1u, scene->mNumMaterials);
+    appendNode(*scene, *scene->mRootNode, aiMatrix4x4(), mapTransform(params), file, &soup);
+  }
+  if (soup.vertices.empty()) throw InputError(file + ": no vertices in it");
+  double tolerance = params.weld_tolerance;
+  if (tolerance <= 0) {
+    Eigen::Vector3f low = soup.vertices.front(), high = low;
+    for (const auto& v : soup.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    const double diagonal = (high - low).cast<double>().norm();
+    tolerance = std::isfinite(diagonal) ? std::clamp(1e-6 * diagonal, 1e-7, 1e-4) : 1e-7;
+  }
+  MeshModel mesh = weldMesh(std::move(soup), tolerance, file);
+  addScaleWarnings(&mesh);
+  return mesh;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,256 @@
+#include "edge_mcl/core/parameters.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <type_traits>
+
+#include "edge_mcl/core/error.h"
+
+namespace edge_mcl {
+
+namespace {
+
+std::string toText(double value) {
+  std::ostringstream out;
+  out.precision(12);
+  out << value;
+  return out.str();
+}
+std::string toText(int value) { return std::to_string(value); }
+std::string toText(uint64_t value) { return std::to_string(value); }
+std::string toText(bool value) { return value ? "true" : "false"; }
+std::string toText(LikelihoodModel value) {
+  return value == LikelihoodModel::kPaper ? "paper" : "robust";
+}
+
+template <class Number>
+bool parseNumber(const std::string& text, Number* value) {
+  std::istringstream in(text);
+  Number parsed{};
+  if (std::is_unsigned<Number>::value && text.find('-') != std::string::npos) return false;
+  if (!(in >> parsed)) return false;
+  in >> std::ws;
+  if (!in.eof()) return false;
+  *value = parsed;
+  return true;
+}
+bool fromText(const std::string& text, double* value) {
+  return parseNumber(text, value) && std::isfinite(*value);
+}
+bool fromText(const std::string& text, int* value) { return parseNumber(text, value); }
+bool fromText(const std::string& text, uint64_t* value) { return parseNumber(text, value); }
+bool fromText(const std::string& text, bool* value) {
+  if (text == "true" || text == "1" || text == "yes") return *value = true, true;
+  if (text == "false" || text == "0" || text == "no") return *value = false, true;
+  return false;
+}
+bool fromText(const std::string& text, LikelihoodModel* value) {
+  if (text == "paper") return *value = LikelihoodModel::kPaper, true;
+  if (text == "robust") return *value = LikelihoodModel::kRobust, true;
+  return false;
+}
+
+const char* typeName(double) { return "a number"; }
+const char* typeName(int) { return "a whole number"; }
+const char* typeName(uint64_t) { return "a whole number"; }
+const char* typeName(bool) { return "true or false"; }
+const char* typeName(LikelihoodModel) { return "paper or robust"; }
+
+/// Calls f(group.name, reference, unit, text) for every parameter.
+template <class F>
+void forEach(Parameters& parameters, F&& f) {
+  parameters.visitGroups([&](const char* group, auto& values) {
+    values.visit([&](const char* name, auto& value, const char* unit, const char* text) {
+      f(std::string(group) + "." + name, value, unit, text);
+    });
+  });
+}
+
+std::vector<std::string> allNames() {
+  Parameters defaults;
+  std::vector<std::string> names;
+  forEach(defaults, [&](const std::string& name, auto&, const char*, const char*) {
+    names.push_back(name);
+  });
+  return names;
+}
+
+}  // namespace
+
+std::string nearestName(const std::string& name, const std::vector<std::string>& known) {
+  std::string best;
+  size_t best_distance = 1000;
+  for (const std::string& candidate : known) {
+    std::vector<size_t> row(candidate.size() + 1);
+    for (size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= name.size(); ++i) {
+      size_t diagonal = row[0];
+      row[0] = i;
+      for (size_t j = 1; j <= candidate.size(); ++j) {
+        const size_t above = row[j];
+        row[j] = std::min({above + 1, row[j - 1] + 1,
+                           diagonal + (name[i - 1] == candidate[j - 1] ? 0u : 1u)});
+        diagonal = above;
+      }
+    }
+    if (row.back() < best_distance) {
+      best_distance = row.back();
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+void Parameters::set(const std::string& dotted_name, const std::string& value) {
+  bool found = false, good = true;
+  const char* wanted = "";
+  forEach(*this, [&](const std::string& name, auto& field, const char*, const char*) {
+    if (name != dotted_name) return;
+    found = true;
+    auto parsed = field;
+    good = fromText(value, &parsed);
+    wanted = typeName(parsed);
+    if (good) field = parsed;
+  });
+  if (!found)
+    throw ParameterError("unknown parameter '" + dotted_name + "' (nearest: '" +
+                         nearestName(dotted_name, allNames()) + "')");
+  if (!good)
+    throw ParameterError("parameter '" + dotted_name + "': '" + value + "' is not " + wanted);
+}
+
+std::string Parameters::get(const std::string& dotted_name) const {
+  for (const Description& d : describe())
+    if (d.name == dotted_name) return d.value;
+  throw ParameterError("unknown parameter '" + dotted_name + "'");
+}
+
+std::vector<Parameters::Description> Parameters::describe() const {
+  std::vector<Description> result;
+  Parameters copy = *this;
+  forEach(copy, [&](const std::string& name, auto& field, const char* unit, const char* text) {
+    result.push_back({name, unit, text, toText(field)});
+  });
+  return result;
+}
+
+std::string Parameters::toYaml() const {
+  std::string text, group;
+  for (const Description& d : describe()) {
+    const auto dot = d.name.find('.');
+    if (d.name.substr(0, dot) != group) {
+      group = d.name.substr(0, dot);
+      text += group + ":\n";
+    }
+    text += "  " + d.name.substr(dot + 1) + ": " + d.value + "   # " +
+            (d.unit.empty() ? "" : "[" + d.unit + "] ") + d.text + "\n";
+  }
+  return text;
+}
+
+void Parameters::loadYaml(const std::string& file) {
+  if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
+  YAML::Node root;
+  try {
+    root = YAML::LoadFile(file);
+  } catch (const YAML::Exception& e) {
+    throw InputError(file + ": not a YAML file: " + e.what());
+  }
+  if (root.IsNull()) return;
+  if (!root.IsMap()) throw ParameterError(file + ": groups of parameters expected");
+  std::string faults;
+  const auto attempt = [&](const std::string& name, const YAML::Node& value) {
+    try {
+      if (!value.IsScalar()) throw ParameterError("parameter '" + name + "' needs one value");
+      set(name, value.Scalar());
+    } catch (const ParameterError& e) {
+      faults += std::string(faults.empty() ? "" : "; ") + e.what();
+    }
+  };
+  for (const auto& group : root) {
+    const auto group_name = group.first.as<std::string>();
+    if (group.second.IsMap())
+      for (const auto& entry : group.second)
+        attempt(group_name + "." + entry.first.as<std::string>(), entry.second);
+    else
+      attempt(group_name, group.second);
+  }
+  if (!faults.empty()) throw ParameterError(file + ": " + faults);
+  validate();
+}
+
+void Parameters::validate() const {
+  std::string faults;
+  const auto require = [&](bool good, const char* name, const char* rule) {
+    if (good) return;
+    faults += std::string(faults.empty() ? "" : "; ") + name + " = " + get(name) + " must be " +
+              rule;
+  };
+  const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
+  const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
+  const auto share = [](double v) { return v >= 0 && v <= 1; };
+  require(positive(map.scale), "map.scale", "positive");
+  require(map.crease_angle_deg > 0 && map.crease_angle_deg < 180, "map.crease_angle_deg",
+          "between 0 and 180");
+  require(not_negative(map.weld_tolerance), "map.weld_tolerance", "zero or more");
+  require(not_negative(map.sample_step), "map.sample_step", "zero or more");
+  require(not_negative(map.min_line_length), "map.min_line_length", "zero or more");
+  require(not_negative(visibility.cell_size), "visibility.cell_size", "zero or more");
+  require(visibility.cache_cells >= 1, "visibility.cache_cells", "at least 1");
+  require(not_negative(visibility.occlusion_tolerance), "visibility.occlusion_tolerance",
+          "zero or more");
+  require(image.blur_sigma >= 0 && image.blur_sigma < 20, "image.blur_sigma", "0 to 20");
+  require(image.edge_share > 0 && image.edge_share < 1, "image.edge_share", "between 0 and 1");
+  require(not_negative(image.noise_factor), "image.noise_factor", "zero or more");
+  require(image.hysteresis > 0 && image.hysteresis <= 1, "image.hysteresis", "in (0, 1]");
+  require(positive(image.min_segment_length), "image.min_segment_length", "positive");
+  require(image.mask_dilation >= 0 && image.mask_dilation <= 100, "image.mask_dilation",
+          "0 to 100");
+  require(image.orientation_bins >= 4 && image.orientation_bins <= 64, "image.orientation_bins",
+          "4 to 64");
+  require(image.orientation_tolerance_deg > 0 && image.orientation_tolerance_deg <= 90,
+          "image.orientation_tolerance_deg", "in (0, 90]");
+  require(image.search_length >= 2 && image.search_length <= 200, "image.search_length",
+          "2 to 200");
+  require(positive(likelihood.sigma), "likelihood.sigma", "positive");
+  require(positive(likelihood.alpha), "likelihood.alpha", "positive");
+  require(positive(likelihood.k), "likelihood.k", "positive");
+  require(likelihood.missing_edge > 0 && likelihood.missing_edge < 1, "likelihood.missing_edge",
+          "between 0 and 1");
+  require(positive(likelihood.line_saturation), "likelihood.line_saturation", "positive");
+  require(positive(likelihood.discount), "likelihood.discount", "positive");
+  require(not_negative(likelihood.border_fade), "likelihood.border_fade", "zero or more");
+  require(refinement.iterations >= 1 && refinement.iterations <= 1000, "refinement.iterations",
+          "1 to 1000");
+  require(refinement.search_length >= 1 && refinement.search_length <= 200,
+          "refinement.search_length", "1 to 200");
+  require(refinement.final_search_length >= 1 &&
+              refinement.final_search_length <= refinement.search_length,
+          "refinement.final_search_length", "1 to refinement.search_length");
+  require(positive(refinement.sigma), "refinement.sigma", "positive");
+  require(refinement.starts >= 1 && refinement.starts <= 1000, "refinement.starts", "1 to 1000");
+  require(filter.particles >= 1 && filter.particles <= 10000000, "filter.particles",
+          "1 to 10000000");
+  require(not_negative(filter.odometry_noise_position), "filter.odometry_noise_position",
+          "zero or more");
+  require(not_negative(filter.odometry_noise_angle_deg), "filter.odometry_noise_angle_deg",
+          "zero or more");
+  require(not_negative(filter.odometry_noise_per_metre), "filter.odometry_noise_per_metre",
+          "zero or more");
+  require(not_negative(filter.odometry_noise_per_radian), "filter.odometry_noise_per_radian",
+          "zero or more");
+  require(positive(filter.walk_position_rate), "filter.walk_position_rate", "positive");
+  require(positive(filter.walk_angle_rate_deg), "filter.walk_angle_rate_deg", "positive");
+  require(share(filter.velocity_smoothing), "filter.velocity_smoothing", "0 to 1");
+  require(share(filter.resample_threshold), "filter.resample_threshold", "0 to 1");
+  require(filter.ess_floor > 0 && filter.ess_floor < 1, "filter.ess_floor", "between 0 and 1");
+  require(filter.refined_share >= 0 && filter.refined_share < 1, "filter.refined_share",
+          "0 up to, not including, 1");
+  if (!faults.empty()) throw ParameterError("parameters: " + faults);
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,222 @@
+/// All parameters of the method, with defaults, units and one description each.
+///
+/// The same names are used in YAML (`group: {name: value}`), on the command line and in MRPT ini
+/// files (`group.name`) and as ROS parameters (`group/name`). Every struct lists its fields once,
+/// in `visit`; reading, printing and the documentation are made from that list.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace edge_mcl {
+
+/// The 3D model and how its edges are found.
+struct MapParameters {
+  double scale = 1;
+  double x = 0, y = 0, z = 0;
+  double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;
+  double crease_angle_deg = 27;
+  bool boundaries = true;
+  bool material_borders = true;
+  bool contours = true;
+  double weld_tolerance = 0;
+  double sample_step = 0;
+  double min_line_length = 0;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("scale", scale, "", "factor from file units to metres");
+    v("x", x, "m", "position of the file's origin in the map");
+    v("y", y, "m", "position of the file's origin in the map");
+    v("z", z, "m", "position of the file's origin in the map");
+    v("yaw_deg", yaw_deg, "deg", "rotation of the file's axes in the map, about z");
+    v("pitch_deg", pitch_deg, "deg", "then about y");
+    v("roll_deg", roll_deg, "deg", "then about x");
+    v("crease_angle_deg", crease_angle_deg, "deg", "dihedral angle from which an edge is a crease");
+    v("boundaries", boundaries, "", "edges with a single face are feature edges");
+    v("material_borders", material_borders, "", "edges between materials are feature edges");
+    v("contours", contours, "", "outlines of smooth surfaces, which depend on the viewpoint");
+    v("weld_tolerance", weld_tolerance, "m", "vertices closer than this are one; 0 = automatic");
+    v("sample_step", sample_step, "m", "distance of samples along a line; 0 = automatic");
+    v("min_line_length", min_line_length, "m", "shorter feature lines are ignored");
+  }
+};
+
+/// Hidden-line removal.
+struct VisibilityParameters {
+  double cell_size = 0;
+  int cache_cells = 4096;
+  double occlusion_tolerance = 0;
+  bool exact = false;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("cell_size", cell_size, "m", "camera positions in one cell share the visible set; 0 = automatic");
+    v("cache_cells", cache_cells, "", "cells kept before the least recently used one is dropped");
+    v("occlusion_tolerance", occlusion_tolerance, "m",
+      "a surface this close to a sample does not hide it; 0 = automatic");
+    v("exact", exact, "", "cast rays for every pose instead of every cell (slow, for reference)");
+  }
+};
+
+/// Edges of the camera image and the table made from them.
+struct ImageParameters {
+  double blur_sigma = 1.0;
+  double edge_share = 0.08;
+  double noise_factor = 3.0;
+  double hysteresis = 0.4;
+  bool straight_segments = false;
+  double min_segment_length = 20;
+  int mask_dilation = 5;
+  int orientation_bins = 12;
+  double orientation_tolerance_deg = 20;
+  int search_length = 24;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("blur_sigma", blur_sigma, "px", "Gaussian smoothing before the gradient");
+    v("edge_share", edge_share, "", "share of pixels whose gradient may start an edge");
+    v("noise_factor", noise_factor, "", "edges must exceed the image noise by this factor");
+    v("hysteresis", hysteresis, "", "weak threshold as a fraction of the strong one");
+    v("straight_segments", straight_segments, "", "keep only edges that support straight segments");
+    v("min_segment_length", min_segment_length, "px", "shortest straight segment");
+    v("mask_dilation", mask_dilation, "px", "growth of the ignore mask");
+    v("orientation_bins", orientation_bins, "", "edge directions told apart in the table");
+    v("orientation_tolerance_deg", orientation_tolerance_deg, "deg",
+      "largest angle between a model edge and the image edge it is matched to");
+    v("search_length", search_length, "px", "longest normal; farther edges count as none");
+  }
+};
+
+enum class LikelihoodModel { kPaper, kRobust };
+
+/// The measurement model, see docs/likelihood.md.
+struct LikelihoodParameters {
+  LikelihoodModel model = LikelihoodModel::kRobust;
+  double sigma = 3;
+  double alpha = 1;
+  double k = 60;
+  double missing_edge = 0.35;
+  double line_saturation = 6;
+  double discount = 1;
+  double border_fade = 4;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("model", model, "", "paper (equations 1-3) or robust (log-ratio against no model edge)");
+    v("sigma", sigma, "px", "standard deviation of the distance along the normal, eq. (1)");
+    v("alpha", alpha, "", "factor of eq. (3), paper model");
+    v("k", k, "", "exponent of eq. (3), paper model");
+    v("missing_edge", missing_edge, "",
+      "robust model: probability that a visible model edge leaves no edge in the image");
+    v("line_saturation", line_saturation, "samples",
+      "robust model: samples of one line count as at most this many independent ones");
+    v("discount", discount, "", "robust model: factor on the log-likelihood, for correlation");
+    v("border_fade", border_fade, "px", "samples fade in over this distance from the image border");
+  }
+};
+
+/// Gauss-Newton refinement of a pose on the same residuals.
+struct RefinementParameters {
+  bool enabled = true;
+  int iterations = 10;
+  double search_length = 16;
+  double final_search_length = 6;
+  double sigma = 1.5;
+  int starts = 6;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("enabled", enabled, "", "refine the best particles and draw particles from the result");
+    v("iterations", iterations, "", "Gauss-Newton steps");
+    v("search_length", search_length, "px", "length of the normals at the first step");
+    v("final_search_length", final_search_length, "px", "length of the normals at the last step");
+    v("sigma", sigma, "px", "noise of an edge along its normal");
+    v("starts", starts, "", "particles from which refinement starts");
+  }
+};
+
+/// The particle filter.
+struct FilterParameters {
+  int particles = 1000;
+  uint64_t seed = 1;
+  double odometry_noise_position = 0.01;
+  double odometry_noise_angle_deg = 0.3;
+  double odometry_noise_per_metre = 0.04;
+  double odometry_noise_per_radian = 0.04;
+  double walk_position_rate = 0.10;
+  double walk_angle_rate_deg = 10;
+  double velocity_smoothing = 0.6;
+  double resample_threshold = 0.5;
+  double ess_floor = 0.1;
+  double refined_share = 0.3;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("particles", particles, "", "number of hypotheses");
+    v("seed", seed, "", "seed of the random generator");
+    v("odometry_noise_position", odometry_noise_position, "m/sqrt(0.1 s)",
+      "odometry: position noise per step, grows with the root of its duration");
+    v("odometry_noise_angle_deg", odometry_noise_angle_deg, "deg/sqrt(0.1 s)",
+      "odometry: rotation noise per step, grows with the root of its duration");
+    v("odometry_noise_per_metre", odometry_noise_per_metre, "m/m",
+      "odometry: position noise by distance");
+    v("odometry_noise_per_radian", odometry_noise_per_radian, "rad/rad",
+      "odometry: rotation noise by angle");
+    v("walk_position_rate", walk_position_rate, "m/sqrt(s)",
+      "without odometry: position noise");
+    v("walk_angle_rate_deg", walk_angle_rate_deg, "deg/sqrt(s)",
+      "without odometry: rotation noise");
+    v("velocity_smoothing", velocity_smoothing, "",
+      "without odometry: share of the newest velocity in the constant-velocity model");
+    v("resample_threshold", resample_threshold, "", "resample when ESS/N falls below");
+    v("ess_floor", ess_floor, "", "an image is tempered so that ESS/N stays above this");
+    v("refined_share", refined_share, "", "share of particles drawn from refined poses");
+  }
+};
+
+/// Everything.
+struct Parameters {
+  MapParameters map;
+  VisibilityParameters visibility;
+  ImageParameters image;
+  LikelihoodParameters likelihood;
+  RefinementParameters refinement;
+  FilterParameters filter;
+
+  template <class Visitor>
+  void visitGroups(Visitor&& v) {
+    v("map", map);
+    v("visibility", visibility);
+    v("image", image);
+    v("likelihood", likelihood);
+    v("refinement", refinement);
+    v("filter", filter);
+  }
+
+  /// Lists every illegal value at once. @throws ParameterError
+  void validate() const;
+
+  /// Sets `group.name` from text. @throws ParameterError on an unknown name (with the nearest
+  /// known one) or a value of the wrong type.
+  void set(const std::string& dotted_name, const std::string& value);
+  std::string get(const std::string& dotted_name) const;
+
+  /// Reads a YAML file over the present values, then validates. @throws ParameterError listing
+  /// all unknown keys and bad values; InputError when the file cannot be read.
+  void loadYaml(const std::string& file);
+  std::string toYaml() const;
+
+  /// One entry per parameter, in order.
+  struct Description {
+    std::string name, unit, text, value;
+  };
+  std::vector<Description> describe() const;
+};
+
+/// The nearest of `known` by edit distance, for error messages.
+std::string nearestName(const std::string& name, const std::vector<std::string>& known);
+
+}  // namespace edge_mcl

@@ -1,0 +1,126 @@
+#include "edge_mcl/core/reference_likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace edge_mcl {
+
+namespace {
+
+/// A sample as the camera sees it.
+struct ProjectedSample {
+  bool valid = false;
+  Eigen::Vector2d pixel, direction;
+  double weight = 0;
+};
+
+ProjectedSample projectSample(const LikelihoodFrame& frame, const Pose& camera_from_map,
+                              const Eigen::Vector3f& position, const Eigen::Vector3f& tangent) {
+  ProjectedSample out;
+  const Eigen::Vector3d p = camera_from_map * position.cast<double>();
+  const Eigen::Vector3d t = camera_from_map.linear() * tangent.cast<double>();
+  Eigen::Matrix<double, 2, 3> jacobian;
+  if (!frame.camera.project(p, &out.pixel, &jacobian)) return out;
+  if (!frame.camera.contains(out.pixel)) return out;
+  out.direction = jacobian * t;
+  const double border = std::min({out.pixel.x(), out.pixel.y(),
+                                  frame.camera.width - 1 - out.pixel.x(),
+                                  frame.camera.height - 1 - out.pixel.y()});
+  const double fade =
+      frame.params.border_fade > 0 ? std::min(1.0, border / frame.params.border_fade) : 1.0;
+  // Foreshortening: length of the projected unit tangent in undone-focal-length units.
+  const double end_on = std::abs(out.direction.x() / frame.camera.fx) * p.z() +
+                        std::abs(out.direction.y() / frame.camera.fy) * p.z();
+  out.weight = fade * std::min(1.0, 50 * end_on);
+  out.valid = true;
+  return out;
+}
+
+/// Trilinear score over pixel and direction; false inside the mask.
+bool tableScore(const ScoreTable& table, const ProjectedSample& sample, double* score) {
+  const double bin = diamondAngle(sample.direction.x(), sample.direction.y()) * table.bins() / 2;
+  const int bin_a = static_cast<int>(bin) % table.bins(), bin_b = (bin_a + 1) % table.bins();
+  const int x = std::min(static_cast<int>(sample.pixel.x()), table.width() - 2);
+  const int y = std::min(static_cast<int>(sample.pixel.y()), table.height() - 2);
+  const double fx = sample.pixel.x() - x, fy = sample.pixel.y() - y, fb = bin - std::floor(bin);
+  const auto value = [&](int b) {
+    const uint32_t w = table.word(b, x, y);
+    const double a00 = w & 255u, a10 = w >> 8 & 255u, a01 = w >> 16 & 255u, a11 = w >> 24;
+    return (1 - fy) * ((1 - fx) * a00 + fx * a10) + fy * ((1 - fx) * a01 + fx * a11);
+  };
+  if (table.word(bin_a, x, y) == 0) return false;
+  *score = table.offset() + table.scale() * ((1 - fb) * value(bin_a) + fb * value(bin_b));
+  return true;
+}
+
+/// Sums of one line, closed at its end.
+struct LineSums {
+  double score = 0, weight = 0;
+};
+
+void closeLine(const LikelihoodParameters& params, LineSums* line, double* line_sum,
+               PoseScore* out) {
+  const double divisor = params.model == LikelihoodModel::kPaper
+                             ? std::max(1.0, line->weight)
+                             : 1 + line->weight / params.line_saturation;
+  *line_sum += line->score / divisor;
+  out->line_count += static_cast<float>(std::min(1.0, line->weight));
+  out->sample_weight += static_cast<float>(line->weight);
+  *line = {};
+}
+
+template <class ScoreFunction>
+PoseScore sumLines(const LikelihoodFrame& frame, const VisibleSet& set, const Pose& pose,
+                   ScoreFunction&& score_of) {
+  PoseScore out;
+  const Pose camera_from_map = pose.inverse();
+  LineSums line;
+  double line_sum = 0, line_count = 0;
+  for (const VisibleSet::Segment& segment : set.segments) {
+    for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
+      const ProjectedSample s =
+          projectSample(frame, camera_from_map, set.position[i], segment.tangent);
+      double score = 0;
+      if (!s.valid || !score_of(s, &score)) continue;
+      line.score += s.weight * score;
+      line.weight += s.weight;
+    }
+    if (segment.ends_group) {
+      line_count += std::min(1.0, line.weight);
+      closeLine(frame.params, &line, &line_sum, &out);
+    }
+  }
+  out.log_likelihood = combineLines(frame.params, line_sum, line_count);
+  return out;
+}
+
+}  // namespace
+
+PoseScore referenceScore(const LikelihoodFrame& frame, const VisibleSet& set, const Pose& pose) {
+  return sumLines(frame, set, pose, [&](const ProjectedSample& s, double* score) {
+    return tableScore(*frame.table, s, score);
+  });
+}
+
+PoseScore paperFlowScore(const LikelihoodFrame& frame, const EdgeImage& image,
+                         const ImageParameters& image_params, const Visibility& visibility,
+                         const Pose& pose) {
+  const double tolerance = std::cos(image_params.orientation_tolerance_deg * M_PI / 180);
+  const VisibleSet set = visibility.exact(pose.translation());
+  return sumLines(frame, set, pose, [&](const ProjectedSample& s, double* score) {
+    const int x = static_cast<int>(std::lround(s.pixel.x()));
+    const int y = static_cast<int>(std::lround(s.pixel.y()));
+    if (!image.ignore.empty() && image.ignore.at<uint8_t>(y, x)) return false;
+    const Eigen::Vector2d direction = s.direction.normalized();
+    const NormalHit hit =
+        searchAlongNormal(image, s.pixel, Eigen::Vector2d(-direction.y(), direction.x()),
+                          image_params.search_length, tolerance);
+    *score = sampleScore(frame.params,
+                         hit.found ? std::abs(hit.distance) : std::numeric_limits<double>::infinity(),
+                         0.02);
+    return true;
+  });
+}
+
+}  // namespace edge_mcl

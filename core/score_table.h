@@ -1,0 +1,49 @@
+/// Per-image table of sample scores, read by the likelihood kernels.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "edge_mcl/core/camera_model.h"
+#include "edge_mcl/core/edge_field.h"
+#include "edge_mcl/core/parameters.h"
+
+namespace edge_mcl {
+
+/// Score of one sample as a function of its distance d to the image edge.
+///  - paper model: g(d) of equation (1); 0 where no edge is in reach.
+///  - robust model: log-ratio of "a model edge is here" to "none is", docs/likelihood.md:
+///    log(e + (1 - e) p1(d) / p0(d)), p1 half-normal, p0 exponential with the image's own
+///    density of edges of this direction.
+/// @param distance pixels, infinity for none. @param clutter edges per pixel along the normal.
+double sampleScore(const LikelihoodParameters& params, double distance, double clutter);
+
+/// Density of edges along a normal, from the share of pixels with none within +-search_length:
+/// exp(-2 clutter length) = share, kept in a sane range.
+double clutterDensity(double empty_share, double search_length);
+
+/// Scores as bytes, four neighbours in one word: (x,y), (x+1,y), (x,y+1), (x+1,y+1) from the low
+/// byte up. 1..255 are linear between lowest and highest score; a word of 0 means: ignored.
+class ScoreTable {
+ public:
+  ScoreTable(const EdgeField& field, const LikelihoodParameters& params);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int bins() const { return bins_; }
+  const uint32_t* words() const { return words_.data(); }
+  uint32_t word(int bin, int x, int y) const {
+    return words_[(static_cast<size_t>(bin) * height_ + y) * width_ + x];
+  }
+  /// score = offset + scale * byte.
+  float scale() const { return scale_; }
+  float offset() const { return offset_; }
+
+ private:
+  int width_, height_, bins_;
+  float scale_ = 1, offset_ = 0;
+  std::vector<uint32_t> words_;
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,126 @@
+#include "edge_mcl/core/sequence.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "edge_mcl/core/error.h"
+
+namespace edge_mcl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kSameTime = 0.005;  // seconds
+
+template <class Entry>
+const Entry* nearestInTime(const std::vector<Entry>& sorted, double time) {
+  auto it = std::lower_bound(sorted.begin(), sorted.end(), time,
+                             [](const Entry& e, double t) { return e.time < t; });
+  const Entry* best = nullptr;
+  if (it != sorted.end()) best = &*it;
+  if (it != sorted.begin() &&
+      (!best || std::abs((it - 1)->time - time) < std::abs(best->time - time)))
+    best = &*(it - 1);
+  return best && std::abs(best->time - time) <= kSameTime ? best : nullptr;
+}
+
+Pose poseFromList(const std::vector<double>& v, const std::string& where) {
+  if (v.size() != 7) throw InputError(where + " must have 7 numbers: tx ty tz qx qy qz qw");
+  for (double x : v)
+    if (!std::isfinite(x)) throw InputError(where + " has a number that is not finite");
+  const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
+  if (std::abs(q.norm() - 1) > 0.01) throw InputError(where + ": the quaternion has no unit length");
+  Pose pose = Pose::Identity();
+  pose.linear() = q.normalized().toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
+  return pose;
+}
+
+void readDescription(const std::string& file, Sequence* sequence) {
+  if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
+  try {
+    const YAML::Node root = YAML::LoadFile(file);
+    if (!root.IsMap()) throw InputError(file + ": not a YAML map");
+    if (root["name"]) sequence->name = root["name"].as<std::string>();
+    if (!root["initial_pose"]) throw InputError(file + ": key 'initial_pose' is missing");
+    sequence->initial_pose =
+        poseFromList(root["initial_pose"].as<std::vector<double>>(), file + ": initial_pose");
+    if (root["initial_std"]) {
+      const auto s = root["initial_std"].as<std::vector<double>>();
+      if (s.size() != 2 || !(s[0] >= 0) || !(s[1] >= 0) || !std::isfinite(s[0] + s[1]))
+        throw InputError(file + ": initial_std must be two numbers of zero or more: m, rad");
+      sequence->initial_std_position = s[0];
+      sequence->initial_std_angle = s[1];
+    }
+  } catch (const YAML::Exception& e) {
+    throw InputError(file + ": " + e.what());
+  }
+}
+
+}  // namespace
+
+Sequence readSequence(const std::string& directory) {
+  const fs::path root(directory);
+  std::error_code ignored;
+  if (!fs::is_directory(root, ignored)) throw InputError(directory + ": no such directory");
+  const auto inside = [&](const std::string& name) { return (root / name).string(); };
+
+  Sequence sequence;
+  sequence.directory = directory;
+  sequence.name = fs::path(fs::absolute(root)).lexically_normal().filename().string();
+  sequence.camera = CameraModel::fromYamlFile(inside("camera.yaml"));
+  readDescription(inside("sequence.yaml"), &sequence);
+  if (fs::exists(inside("model.obj"), ignored)) sequence.model_file = inside("model.obj");
+
+  std::vector<StampedFile> masks;
+  if (fs::exists(inside("mask.txt"), ignored)) masks = readFileList(inside("mask.txt"));
+  std::stable_sort(masks.begin(), masks.end(),
+                   [](const StampedFile& a, const StampedFile& b) { return a.time < b.time; });
+  Trajectory odometry, truth;
+  if (fs::exists(inside("odometry.txt"), ignored)) odometry = readTrajectory(inside("odometry.txt"));
+  if (fs::exists(inside("groundtruth.txt"), ignored))
+    truth = readTrajectory(inside("groundtruth.txt"));
+  sequence.has_odometry = !odometry.empty();
+
+  for (const StampedFile& entry : readFileList(inside("rgb.txt"))) {
+    if (!sequence.frames.empty() && entry.time <= sequence.frames.back().time) {
+      sequence.warnings.push_back(inside("rgb.txt") + ": time goes back at " + entry.time_text +
+                                  ", image left out");
+      continue;
+    }
+    SequenceFrame frame;
+    frame.time = entry.time;
+    frame.time_text = entry.time_text;
+    frame.image_file = inside(entry.file);
+    if (const StampedFile* mask = nearestInTime(masks, entry.time))
+      frame.mask_file = inside(mask->file);
+    if (const StampedPose* p = nearestInTime(odometry, entry.time)) frame.odometry = p->pose;
+    if (const StampedPose* p = nearestInTime(truth, entry.time)) frame.ground_truth = p->pose;
+    sequence.frames.push_back(std::move(frame));
+  }
+  if (sequence.frames.empty()) throw InputError(inside("rgb.txt") + ": no images listed");
+  return sequence;
+}
+
+cv::Mat readImage(const std::string& file, const CameraModel& camera, bool grey) {
+  cv::Mat image;
+  try {
+    image = cv::imread(file, grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception& e) {
+    throw InputError(file + ": cannot be decoded: " + e.err);
+  }
+  if (image.empty()) throw InputError(file + ": missing or not a readable image");
+  if (image.cols != camera.width || image.rows != camera.height)
+    throw InputError(file + ": " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                     " pixels, camera.yaml says " + std::to_string(camera.width) + "x" +
+                     std::to_string(camera.height));
+  return image;
+}
+
+}  // namespace edge_mcl

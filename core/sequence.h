@@ -1,0 +1,46 @@
+/// A recorded sequence: a directory in the layout of the TUM RGB-D benchmark with a map beside it.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "edge_mcl/core/camera_model.h"
+#include "edge_mcl/core/text_table.h"
+
+namespace edge_mcl {
+
+/// One image of a sequence; what exists of it.
+struct SequenceFrame {
+  double time = 0;        ///< seconds
+  std::string time_text;  ///< as in rgb.txt
+  std::string image_file;
+  std::string mask_file;            ///< empty: none
+  std::optional<Pose> odometry;     ///< T_odom_camera
+  std::optional<Pose> ground_truth;  ///< T_map_camera
+};
+
+/// Everything but the pixels.
+struct Sequence {
+  std::string directory, name;
+  CameraModel camera;
+  std::string model_file;  ///< empty when the directory holds none
+  Pose initial_pose = Pose::Identity();  ///< T_map_camera
+  double initial_std_position = 0.1;     ///< m, per axis
+  double initial_std_angle = 0.05;       ///< rad, per axis
+  std::vector<SequenceFrame> frames;
+  bool has_odometry = false;
+  std::vector<std::string> warnings;  ///< e.g. frames left out because their time goes back
+};
+
+/// Reads rgb.txt, camera.yaml, sequence.yaml and, where present, mask.txt, odometry.txt,
+/// groundtruth.txt. Images whose time does not increase are left out with a warning.
+/// @throws InputError naming file and fault.
+Sequence readSequence(const std::string& directory);
+
+/// Reads an image or mask. @throws InputError when it cannot be decoded or its size differs from
+/// the camera's.
+cv::Mat readImage(const std::string& file, const CameraModel& camera, bool grey = false);
+
+}  // namespace edge_mcl

@@ -1,0 +1,200 @@
+#include "edge_mcl/core/visibility.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <list>
+#include <map>
+#include <mutex>
+
+#include "edge_mcl/core/error.h"
+
+namespace edge_mcl {
+
+/// Embree's device and the mesh in it; null scene when the model has no faces.
+struct Visibility::Scene {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  explicit Scene(const MeshModel& mesh) {
+    if (mesh.triangles.empty()) return;
+    device = rtcNewDevice(nullptr);
+    if (!device) throw Error("visibility: the ray caster cannot be started");
+    scene = rtcNewScene(device);
+    // Robust: rays through shared edges and vertices of the mesh must not slip between faces.
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                3 * sizeof(float), mesh.vertices.size()));
+    auto* indices = static_cast<uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(uint32_t), mesh.triangles.size()));
+    if (!vertices || !indices) throw Error("visibility: out of memory in the ray caster");
+    for (size_t i = 0; i < mesh.vertices.size(); ++i)
+      for (int k = 0; k < 3; ++k) vertices[3 * i + k] = mesh.vertices[i][k];
+    for (size_t i = 0; i < mesh.triangles.size(); ++i)
+      for (int k = 0; k < 3; ++k) indices[3 * i + k] = mesh.triangles[i][k];
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+  }
+  ~Scene() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) rtcReleaseDevice(device);
+  }
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  bool blocked(const Eigen::Vector3f& from, const Eigen::Vector3f& to, float tolerance) const {
+    if (!scene) return false;
+    const Eigen::Vector3f ray_direction = to - from;
+    const float distance = ray_direction.norm();
+    if (distance <= tolerance) return false;
+    RTCRay ray{};
+    ray.org_x = from.x();
+    ray.org_y = from.y();
+    ray.org_z = from.z();
+    ray.dir_x = ray_direction.x() / distance;
+    ray.dir_y = ray_direction.y() / distance;
+    ray.dir_z = ray_direction.z() / distance;
+    ray.tnear = 0;
+    ray.tfar = distance - tolerance;
+    ray.mask = 0xffffffffu;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &ray);
+    return ray.tfar < 0;
+  }
+};
+
+/// Least-recently-used map of cells.
+struct Visibility::Cache {
+  struct Entry {
+    std::shared_ptr<const VisibleSet> set;
+    std::list<CellKey>::iterator age;
+  };
+  mutable std::mutex mutex;
+  std::map<CellKey, Entry> cells;
+  std::list<CellKey> by_age;  // newest first
+  CacheStatistics statistics;
+};
+
+namespace {
+
+double automaticCellSize(const MeshModel& mesh) {
+  return std::clamp(0.02 * mesh.diagonal(), 0.005, 0.10);
+}
+double automaticTolerance(const MeshModel& mesh) {
+  return std::clamp(0.002 * mesh.diagonal(), 1e-4, 0.01);
+}
+
+/// Short segments, so that a long wall can be culled piece by piece.
+void appendSegments(const Eigen::Vector3f& tangent, uint32_t line, size_t first,
+                    VisibleSet* set) {
+  constexpr size_t kSegmentSamples = 16;
+  for (size_t i = first; i < set->position.size(); i += kSegmentSamples) {
+    VisibleSet::Segment segment;
+    segment.first = static_cast<uint32_t>(i);
+    segment.count =
+        static_cast<uint32_t>(std::min(kSegmentSamples, set->position.size() - i));
+    segment.tangent = tangent;
+    segment.line = line;
+    const Eigen::Vector3f& a = set->position[i];
+    const Eigen::Vector3f& b = set->position[i + segment.count - 1];
+    segment.centre = 0.5f * (a + b);
+    segment.radius = 0.5f * (b - a).norm() * 1.0001f + 1e-5f;
+    set->segments.push_back(segment);
+  }
+}
+
+}  // namespace
+
+Visibility::Visibility(const MeshModel& mesh, const EdgeModel& model,
+                       const VisibilityParameters& params)
+    : model_(model),
+      params_(params),
+      cell_size_(params.cell_size > 0 ? params.cell_size : automaticCellSize(mesh)),
+      tolerance_(params.occlusion_tolerance > 0 ? params.occlusion_tolerance
+                                                : automaticTolerance(mesh)),
+      scene_(std::make_unique<Scene>(mesh)),
+      cache_(std::make_unique<Cache>()) {}
+
+Visibility::~Visibility() = default;
+
+VisibleSet Visibility::exact(const Eigen::Vector3d& position) const {
+  VisibleSet result;
+  const Eigen::Vector3f eye = position.cast<float>();
+  uint32_t open_group = std::numeric_limits<uint32_t>::max();
+  for (uint32_t l = 0; l < model_.lines.size(); ++l) {
+    const EdgeLine& line = model_.lines[l];
+    if (line.kind == EdgeKind::kContour) {
+      const Eigen::Vector3f to_eye = eye - line.start;
+      if ((line.normal_a.dot(to_eye) > 0) == (line.normal_b.dot(to_eye) > 0)) continue;
+    }
+    const size_t before = result.position.size();
+    for (uint32_t s = 0; s < line.sample_count; ++s) {
+      const Eigen::Vector3f& sample = model_.sample_position[line.first_sample + s];
+      if (!scene_->blocked(eye, sample, static_cast<float>(tolerance_)))
+        result.position.push_back(sample);
+    }
+    if (result.position.size() == before) continue;
+    if (line.group != open_group) {
+      if (!result.segments.empty()) result.segments.back().ends_group = true;
+      open_group = line.group;
+      ++result.group_count;
+    }
+    appendSegments(line.tangent(), l, before, &result);
+  }
+  if (!result.segments.empty()) result.segments.back().ends_group = true;
+  return result;
+}
+
+CellKey Visibility::cellOf(const Eigen::Vector3d& position) const {
+  const auto index = [&](double v) { return static_cast<int>(std::floor(v / cell_size_)); };
+  return {index(position.x()), index(position.y()), index(position.z())};
+}
+
+Eigen::Vector3d Visibility::cellCentre(const CellKey& cell) const {
+  return cell_size_ * Eigen::Vector3d(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5);
+}
+
+std::shared_ptr<const VisibleSet> Visibility::cached(const CellKey& cell) const {
+  Cache& cache = *cache_;
+  {
+    std::unique_lock<std::mutex> lock(cache.mutex);
+    auto it = cache.cells.find(cell);
+    if (it != cache.cells.end() && it->second.set) {
+      ++cache.statistics.hits;
+      cache.by_age.splice(cache.by_age.begin(), cache.by_age, it->second.age);
+      return it->second.set;
+    }
+  }
+  // Two threads that miss at once compute the same answer twice; waiting for each other could
+  // deadlock a work-stealing scheduler.
+  auto set = std::make_shared<const VisibleSet>(exact(cellCentre(cell)));
+  std::unique_lock<std::mutex> lock(cache.mutex);
+  ++cache.statistics.misses;
+  auto [it, fresh] = cache.cells.try_emplace(cell);
+  if (!fresh) return it->second.set;
+  cache.by_age.push_front(cell);
+  it->second = {set, cache.by_age.begin()};
+  while (cache.cells.size() > static_cast<size_t>(params_.cache_cells)) {
+    cache.cells.erase(cache.by_age.back());
+    cache.by_age.pop_back();
+    ++cache.statistics.dropped;
+  }
+  return set;
+}
+
+Visibility::CacheStatistics Visibility::statistics() const {
+  std::lock_guard<std::mutex> lock(cache_->mutex);
+  CacheStatistics result = cache_->statistics;
+  result.cells = cache_->cells.size();
+  return result;
+}
+
+}  // namespace edge_mcl

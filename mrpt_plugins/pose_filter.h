@@ -1,0 +1,77 @@
+/// The SE(3) particle filter, on plain poses. CEdgeMonteCarloLocalization3D puts it behind MRPT's
+/// interface.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/se3.h"
+#include "edge_mcl/mrpt_plugins/random_source.h"
+
+namespace edge_mcl {
+
+/// What one update did.
+struct UpdateReport {
+  double effective_sample_size = 0;  ///< after the update, before resampling
+  double tempering = 1;              ///< exponent that was put on the likelihood
+  double visible_samples = 0;        ///< inside the image, at the estimate
+  double visible_lines = 0;
+  double log_likelihood = 0;         ///< of the estimate
+  int matched_samples = 0;           ///< with an image edge within reach, at the estimate
+  int used_samples = 0;
+  int refined_modes = 0;             ///< poses that particles were drawn around
+  bool has_information = false;      ///< false: nothing of the model in the images; only predicted
+  double likelihood_ms = 0, refinement_ms = 0, total_ms = 0;
+};
+
+/// Sequential Monte-Carlo over T_map_base.
+///
+/// The proposal is a mixture: a share of the particles moves by odometry (or constant velocity)
+/// with noise; the others are drawn around poses refined on the present image. All get the weight
+/// likelihood * p / q, p the predictive density (a Gaussian fitted to the predicted particles), q
+/// the mixture (balance heuristic: E. Veach, L. Guibas, SIGGRAPH 1995).
+class PoseFilter {
+ public:
+  PoseFilter(FilterParameters filter, RefinementParameters refinement);
+
+  /// Draws all particles from a Gaussian. @throws Error when it is not finite.
+  void initialize(const PoseGaussian& gaussian);
+  /// Independent noise per axis: metres, radians.
+  void initialize(const Pose& mean, double std_position, double std_angle);
+  /// Takes particles over from outside. @param log_weights any common offset.
+  void setParticles(std::vector<Pose> poses, std::vector<double> log_weights);
+
+  /// @param increment motion of the base since the last step, in its own frame. @param dt seconds.
+  /// @throws Error on an increment that is not finite.
+  void predictWithOdometry(const Pose& increment, double dt);
+  /// Constant velocity with noise.
+  void predictWithoutOdometry(double dt);
+
+  /// Weighs the particles by the images.
+  UpdateReport update(const LocalizationMap& map, const std::vector<CameraView>& views);
+
+  const std::vector<Pose>& poses() const { return poses_; }
+  const std::vector<double>& logWeights() const { return log_weights_; }
+  /// Best pose and its covariance (tangent space at the pose, base frame).
+  const PoseGaussian& estimate() const { return estimate_; }
+
+ private:
+  void resampleIfNeeded();
+  void addNoise(double std_position, double std_angle);
+  void trackVelocity();
+  std::vector<double> normalizedWeights() const;
+
+  FilterParameters params_;
+  RefinementParameters refinement_;
+  RandomSource random_;
+  std::vector<Pose> poses_;
+  std::vector<double> log_weights_;
+  PoseGaussian estimate_;
+  std::optional<Pose> last_estimate_;
+  double since_last_estimate_ = 0;  // seconds
+  Twist velocity_ = Twist::Zero();  // base frame, per second
+};
+
+}  // namespace edge_mcl
