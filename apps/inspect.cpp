@@ -1,4 +1,96 @@
+// edge-mcl inspect: is the model read as expected?
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
 #include "common_options.h"
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/overlay.h"
+
 namespace edge_mcl {
-void addInspect(CLI::App*, Action*) {}
+
+namespace {
+
+struct InspectOptions {
+  std::string model, picture;
+  bool json = false;
+  ParameterOptions parameters;
+};
+
+std::vector<std::string> findings(const LocalizationMap& map) {
+  std::vector<std::string> list = map.mesh().report.warnings;
+  const MeshReport& r = map.mesh().report;
+  if (r.flipped_pairs > 0)
+    list.push_back(std::to_string(r.flipped_pairs) +
+                   " neighbouring faces are wound against each other (flipped normals; harmless "
+                   "here)");
+  if (r.boundary_edges > 0 && !map.mesh().triangles.empty())
+    list.push_back(std::to_string(r.boundary_edges) +
+                   " edges have one face only: holes, open sheets or unwelded parts; they count as "
+                   "feature edges (map.boundaries)");
+  if (r.non_manifold_edges > 0)
+    list.push_back(std::to_string(r.non_manifold_edges) + " edges have three or more faces");
+  if (map.mesh().triangles.empty())
+    list.push_back("no faces: a line map; hidden lines cannot be removed");
+  return list;
+}
+
+int run(const InspectOptions& o) {
+  const Parameters params = o.parameters.load();
+  const LocalizationMap map(o.model, params);
+  const MeshModel& mesh = map.mesh();
+  const EdgeModel& edges = map.edges();
+  if (!o.picture.empty() && !cv::imwrite(o.picture, drawWireframe(map, 1000, 800)))
+    throw InputError(o.picture + ": cannot be written");
+  const Eigen::Vector3f size = mesh.highest - mesh.lowest;
+  if (o.json) {
+    nlohmann::json j = {{"model", o.model},
+                        {"vertices", mesh.vertices.size()},
+                        {"triangles", mesh.triangles.size()},
+                        {"materials", mesh.material_count},
+                        {"lowest", {mesh.lowest.x(), mesh.lowest.y(), mesh.lowest.z()}},
+                        {"highest", {mesh.highest.x(), mesh.highest.y(), mesh.highest.z()}},
+                        {"samples", edges.sample_position.size()},
+                        {"sample_step", edges.sample_step},
+                        {"warnings", findings(map)}};
+    for (int k = 0; k < kEdgeKinds; ++k)
+      j["edges"][edgeKindName(static_cast<EdgeKind>(k))] =
+          edges.countOf(static_cast<EdgeKind>(k));
+    std::printf("%s\n", j.dump(1).c_str());
+    return kExitOk;
+  }
+  std::printf("%s\n", o.model.c_str());
+  std::printf("  size       %.4g x %.4g x %.4g m, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g)\n",
+              size.x(), size.y(), size.z(), mesh.lowest.x(), mesh.lowest.y(), mesh.lowest.z(),
+              mesh.highest.x(), mesh.highest.y(), mesh.highest.z());
+  std::printf("  geometry   %zu vertices (%zu read), %zu triangles, %zu line elements, %u materials\n",
+              mesh.vertices.size(), mesh.report.vertices_read, mesh.triangles.size(),
+              mesh.lines.size(), mesh.material_count);
+  std::printf("  edges     ");
+  for (int k = 0; k < kEdgeKinds; ++k)
+    std::printf(" %zu %s%s", edges.countOf(static_cast<EdgeKind>(k)),
+                edgeKindName(static_cast<EdgeKind>(k)), k + 1 < kEdgeKinds ? "," : "");
+  std::printf("; %zu pieces merged into others\n", edges.merged_pieces);
+  std::printf("  samples    %zu, every %.4g m; %.4g m of feature edges\n",
+              edges.sample_position.size(), edges.sample_step, edges.feature_length);
+  std::printf("  visibility cells of %.3g m, occlusion tolerance %.3g mm\n",
+              map.visibility().cellSize(), 1000 * map.visibility().occlusionTolerance());
+  for (const std::string& f : findings(map)) std::printf("  note: %s\n", f.c_str());
+  if (!o.picture.empty()) std::printf("  picture    %s\n", o.picture.c_str());
+  return kExitOk;
+}
+
+}  // namespace
+
+void addInspect(CLI::App* app, Action* action) {
+  auto o = std::make_shared<InspectOptions>();
+  CLI::App* c = app->add_subcommand("inspect", "what is in a model: size, edges, warnings, picture");
+  c->add_option("model", o->model, "model file (OBJ, PLY, STL, DAE, glTF, IFC, ...)")->required();
+  c->add_option("--picture", o->picture, "picture of the wireframe, edges coloured by kind");
+  c->add_flag("--json", o->json, "print as JSON");
+  o->parameters.addTo(c);
+  c->callback([o, action] { *action = [o] { return run(*o); }; });
+}
+
 }  // namespace edge_mcl

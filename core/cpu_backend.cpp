@@ -17,6 +17,13 @@ double combineLines(const LikelihoodParameters& params, double line_sum, double 
   return std::log(params.alpha) + (line_count > 0 ? params.k * line_sum / line_count : 0);
 }
 
+double spacingScale(const LikelihoodFrame& frame) {
+  constexpr double kEndOn = 50;
+  if (frame.params.model == LikelihoodModel::kPaper) return kEndOn;
+  return 0.5 * (frame.camera.fx + frame.camera.fy) * frame.sample_step /
+         frame.params.correlation_length;
+}
+
 namespace {
 
 constexpr size_t kBlockParticles = 64;
@@ -63,7 +70,8 @@ ViewCone coneOf(const CameraModel& camera, const std::vector<Pose>& poses,
   return cone;
 }
 
-void fillSamples(const VisibleSet& set, const ViewCone& cone, KernelBlock* block) {
+void fillSamples(const VisibleSet& set, const ViewCone& cone, bool use_facing,
+                 KernelBlock* block) {
   const Eigen::Vector3f origin = cone.apex.cast<float>();
   size_t group_begin = 0;  // first kept segment of the open group
   for (const VisibleSet::Segment& segment : set.segments) {
@@ -74,6 +82,7 @@ void fillSamples(const VisibleSet& set, const ViewCone& cone, KernelBlock* block
       out.tz = segment.tangent.z();
       out.first = static_cast<uint32_t>(block->x.size());
       out.count = segment.count;
+      out.weight = use_facing ? segment.facing : 1;
       for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
         const Eigen::Vector3f p = set.position[i] - origin;
         block->x.push_back(p.x());
@@ -142,14 +151,15 @@ uint64_t scoreRange(const LikelihoodFrame& frame, const VisibleSet& set,
                     size_t begin, size_t end, std::vector<PoseScore>* scores) {
   const ViewCone cone = coneOf(frame.camera, poses, order, begin, end);
   KernelBlock block;
-  fillSamples(set, cone, &block);
+  fillSamples(set, cone, frame.params.model == LikelihoodModel::kRobust, &block);
   fillPoses(poses, order, begin, end, cone.apex, &block);
   const ScoreTable& t = *frame.table;
   const KernelTable table{t.words(), t.width(), t.height(), t.bins(), t.scale(), t.offset()};
   const LikelihoodParameters& p = frame.params;
   const KernelLineRule rule{p.model == LikelihoodModel::kPaper,
                             static_cast<float>(1 / p.line_saturation),
-                            p.border_fade > 0 ? static_cast<float>(1 / p.border_fade) : 1e9f};
+                            p.border_fade > 0 ? static_cast<float>(1 / p.border_fade) : 1e9f,
+                            static_cast<float>(spacingScale(frame))};
   std::vector<KernelResult> results(block.particles);
   runKernel(block, kernelCamera(frame.camera), table, rule, results.data());
   for (size_t i = begin; i < end; ++i) {

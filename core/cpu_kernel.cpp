@@ -130,6 +130,7 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
   const V last_x = hn::Set(d, camera.last_x), last_y = hn::Set(d, camera.last_y);
   const V min_depth = hn::Set(d, camera.min_depth);
   const V inverse_fade = hn::Set(d, rule.inverse_fade);
+  const V spacing_scale = hn::Set(d, rule.spacing_scale);
   const V half_bins = hn::Set(d, 0.5f * static_cast<float>(table.bins));
   const V scale = hn::Set(d, table.scale), offset = hn::Set(d, table.offset);
   const VI max_x = hn::Set(di, table.width - 2), max_y = hn::Set(di, table.height - 2);
@@ -146,6 +147,7 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
     const V tx = hn::MulAdd(pose[0], sx, hn::MulAdd(pose[1], sy, hn::Mul(pose[2], sz)));
     const V ty = hn::MulAdd(pose[3], sx, hn::MulAdd(pose[4], sy, hn::Mul(pose[5], sz)));
     const V tz = hn::MulAdd(pose[6], sx, hn::MulAdd(pose[7], sy, hn::Mul(pose[8], sz)));
+    const V segment_weight = hn::Set(d, segment.weight);
     for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
       const V px = hn::Set(d, block.x[i]), py = hn::Set(d, block.y[i]), pz = hn::Set(d, block.z[i]);
       const V z = hn::MulAdd(pose[6], px,
@@ -164,7 +166,7 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
       if constexpr (kModel == static_cast<int>(DistortionModel::kNone)) {
         u = hn::MulAdd(fx, xn, cx);
         v = hn::MulAdd(fy, yn, cy);
-        weight = hn::IfThenElseZero(in_front, one);
+        weight = hn::IfThenElseZero(in_front, segment_weight);
       } else {
         const V r2 = hn::MulAdd(xn, xn, hn::Mul(yn, yn));
         const auto inside = hn::And(in_front, hn::Le(r2, hn::Set(d, camera.max_radius2)));
@@ -174,17 +176,17 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
         const V a_distorted = hn::MulAdd(q.j00, a, hn::Mul(q.j01, b));
         b = hn::MulAdd(q.j01, a, hn::Mul(q.j11, b));
         a = a_distorted;
-        weight = hn::IfThenElseZero(inside, one);
+        weight = hn::IfThenElseZero(inside, segment_weight);
       }
       const V border = hn::Min(hn::Min(u, hn::Sub(last_x, u)), hn::Min(v, hn::Sub(last_y, v)));
       const V fade = hn::Min(one, hn::Mul(border, inverse_fade));
       weight = hn::IfThenElseZero(hn::Ge(border, zero), hn::Mul(weight, fade));
       if (hn::AllFalse(d, hn::Gt(weight, zero))) continue;
 
-      // An edge seen end-on has no direction in the image: it fades out.
-      constexpr float kEndOn = 50.0f;
-      weight = hn::Mul(
-          weight, hn::Min(one, hn::Mul(hn::Set(d, kEndOn), hn::Add(hn::Abs(a), hn::Abs(b)))));
+      // An edge seen end-on has no direction in the image: it fades out. In the robust model the
+      // measure is the distance of neighbouring samples in the image.
+      const V spacing = hn::Mul(hn::Add(hn::Abs(a), hn::Abs(b)), spacing_scale);
+      weight = hn::Mul(weight, hn::Min(one, rule.paper ? spacing : hn::Mul(spacing, iz)));
       V du_image = hn::Mul(fx, a), dv_image = hn::Mul(fy, b);
       const auto downwards = hn::Lt(dv_image, zero);
       du_image = hn::IfThenElse(downwards, hn::Neg(du_image), du_image);

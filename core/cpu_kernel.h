@@ -12,6 +12,7 @@ namespace edge_mcl {
 struct KernelBlock {
   struct Segment {
     float tx, ty, tz;  // tangent, map axes
+    float weight;
     uint32_t first, count;
     bool ends_group;
   };
@@ -44,6 +45,9 @@ struct KernelLineRule {
   bool paper;
   float inverse_saturation;
   float inverse_fade;
+  /// Robust model: focal length * sample step / correlation length; a sample weighs as much as
+  /// the pixels to its neighbour are new.
+  float spacing_scale;
 };
 
 /// Sums per particle.

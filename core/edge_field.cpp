@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace edge_mcl {
 
@@ -84,6 +84,31 @@ void directionalTransform(const uint8_t* edge, int rows, int cols, double slope,
   for (int r = rows - 2; r >= 0; --r) relax(r, r + 1, -shiftAt(r + 1));
 }
 
+/// Pixels of every cell that are inside the image and not ignored.
+cv::Mat usableArea(const cv::Mat& ignore, int rows, int columns, int width, int height) {
+  cv::Mat area = cv::Mat::zeros(rows, columns, CV_32F);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (ignore.empty() || !ignore.ptr<uint8_t>(y)[x])
+        area.at<float>(y / EdgeField::kClutterCell, x / EdgeField::kClutterCell) += 1;
+  return area;
+}
+
+/// Edge pixels per pixel within a window around every cell. An edge across the normal has one
+/// pixel per row of the search, so this is also the number of crossings per pixel of the normal.
+void storeClutter(const cv::Mat& count, const cv::Mat& area, int window_cells, float* out) {
+  cv::Mat edges, pixels;
+  const cv::Size window(window_cells, window_cells);
+  cv::boxFilter(count, edges, CV_32F, window, cv::Point(-1, -1), false, cv::BORDER_CONSTANT);
+  cv::boxFilter(area, pixels, CV_32F, window, cv::Point(-1, -1), false, cv::BORDER_CONSTANT);
+  for (int y = 0; y < count.rows; ++y)
+    for (int x = 0; x < count.cols; ++x) {
+      const float size = std::max(pixels.at<float>(y, x), 1.0f);
+      // One line through the window is what a model edge itself would leave.
+      *out++ = std::max(0.0f, edges.at<float>(y, x) / size - 1 / std::sqrt(size));
+    }
+}
+
 }  // namespace
 
 EdgeField::EdgeField(const EdgeImage& image, const ImageParameters& params)
@@ -94,12 +119,14 @@ EdgeField::EdgeField(const EdgeImage& image, const ImageParameters& params)
       steps_(static_cast<size_t>(bins_) * plane()),
       no_edge_(bins_),
       step_length_(bins_),
-      empty_share_(bins_),
+      clutter_rows_((height_ + kClutterCell - 1) / kClutterCell),
+      clutter_columns_((width_ + kClutterCell - 1) / kClutterCell),
+      clutter_(static_cast<size_t>(bins_) * clutter_rows_ * clutter_columns_),
       ignore_(image.ignore) {
   const std::vector<EdgePixel> pixels = listEdgePixels(image);
   const double sine = std::sin(params.orientation_tolerance_deg * M_PI / 180);
-  const size_t counted =
-      plane() - (ignore_.empty() ? 0 : static_cast<size_t>(cv::countNonZero(ignore_)));
+  const cv::Mat area = usableArea(ignore_, clutter_rows_, clutter_columns_, width_, height_);
+  const int window_cells = std::max(1, params.clutter_window / kClutterCell) | 1;
 
   tbb::parallel_for(0, bins_, [&](int bin) {
     const Eigen::Vector2d direction = diamondDirection(2.0 * bin / bins_);
@@ -111,13 +138,17 @@ EdgeField::EdgeField(const EdgeImage& image, const ImageParameters& params)
     step_length_[bin] = std::hypot(1.0, slope);
     no_edge_[bin] = static_cast<uint8_t>(std::floor(search_length_ / step_length_[bin]) + 1);
 
+    cv::Mat count = cv::Mat::zeros(clutter_rows_, clutter_columns_, CV_32F);
     std::vector<uint8_t> edge(plane(), 0);
     for (const EdgePixel& p : pixels) {
       // Angle between line directions: sine of it is |edge normal . model direction|.
       if (std::abs(p.nx * direction.x() + p.ny * direction.y()) > sine) continue;
       edge[transposed ? static_cast<size_t>(p.x) * cols + p.y
                       : static_cast<size_t>(p.y) * cols + p.x] = 1;
+      count.at<float>(p.y / kClutterCell, p.x / kClutterCell) += 1;
     }
+    storeClutter(count, area, window_cells,
+                 &clutter_[static_cast<size_t>(bin) * clutter_rows_ * clutter_columns_]);
     uint8_t* out = &steps_[static_cast<size_t>(bin) * plane()];
     if (transposed) {
       std::vector<uint8_t> turned(plane());
@@ -128,14 +159,6 @@ EdgeField::EdgeField(const EdgeImage& image, const ImageParameters& params)
     } else {
       directionalTransform(edge.data(), rows, cols, slope, no_edge_[bin], out);
     }
-    size_t empty = 0;
-    for (int y = 0; y < height_; ++y) {
-      const uint8_t* row = out + static_cast<size_t>(y) * width_;
-      const uint8_t* ignored = ignore_.empty() ? nullptr : ignore_.ptr<uint8_t>(y);
-      for (int x = 0; x < width_; ++x)
-        empty += static_cast<size_t>(row[x] == no_edge_[bin] && !(ignored && ignored[x]));
-    }
-    empty_share_[bin] = counted > 0 ? static_cast<double>(empty) / counted : 1;
   });
 }
 

@@ -32,8 +32,14 @@ class EdgeField {
   double stepLength(int bin) const { return step_length_[bin]; }
   /// Distance in pixels, infinity where no edge is in reach.
   double distance(int bin, int x, int y) const;
-  /// Share of the (not ignored) pixels with no edge in reach.
-  double emptyShare(int bin) const { return empty_share_[bin]; }
+  /// Density of edges of this direction around a pixel: edges per pixel along the normal, one
+  /// isolated line through the window not counted.
+  double clutter(int bin, int x, int y) const {
+    return clutter_[(static_cast<size_t>(bin) * clutter_rows_ + y / kClutterCell) *
+                        clutter_columns_ +
+                    x / kClutterCell];
+  }
+  static constexpr int kClutterCell = 8;  ///< pixels over which the density is constant
   double searchLength() const { return search_length_; }
   /// CV_8U ignore mask, empty without one.
   const cv::Mat& ignore() const { return ignore_; }
@@ -45,7 +51,8 @@ class EdgeField {
   std::vector<uint8_t> steps_;
   std::vector<uint8_t> no_edge_;
   std::vector<double> step_length_;
-  std::vector<double> empty_share_;
+  int clutter_rows_, clutter_columns_;
+  std::vector<float> clutter_;
   cv::Mat ignore_;
 };
 

@@ -68,6 +68,19 @@ Eigen::Vector3f triangleNormal(const MeshModel& mesh, uint32_t triangle) {
       .cast<float>();
 }
 
+/// Unit vector in the plane of the triangle, perpendicular to the line, away from it.
+Eigen::Vector3f intoFace(const MeshModel& mesh, uint32_t triangle, const EdgeLine& line) {
+  const auto& t = mesh.triangles[triangle];
+  const Eigen::Vector3d tangent = (line.end - line.start).cast<double>().normalized();
+  Eigen::Vector3d into = Eigen::Vector3d::Zero();
+  for (uint32_t corner : t) {
+    const Eigen::Vector3d d = (mesh.vertices[corner] - line.start).cast<double>();
+    const Eigen::Vector3d across = d - tangent * tangent.dot(d);
+    if (across.norm() > into.norm()) into = across;
+  }
+  return into.normalized().cast<float>();
+}
+
 struct FoundEdges {
   std::vector<EdgeLine> features;
   std::vector<EdgeLine> contours;        // candidates
@@ -91,6 +104,7 @@ FoundEdges classifyEdges(MeshModel* mesh, const MapParameters& params, Patches* 
     if (faces == 1) {
       ++mesh->report.boundary_edges;
       line.kind = EdgeKind::kBoundary;
+      line.into_a = intoFace(*mesh, edges[i].triangle, line);
       if (params.boundaries) found.features.push_back(line);
     } else {
       if (faces > 2) ++mesh->report.non_manifold_edges;
@@ -112,6 +126,8 @@ FoundEdges classifyEdges(MeshModel* mesh, const MapParameters& params, Patches* 
             least_cos = c;
             line.normal_a = na;
             line.normal_b = nb;
+            line.into_a = intoFace(*mesh, edges[a].triangle, line);
+            line.into_b = intoFace(*mesh, edges[b].triangle, line);
           }
         }
       const bool crease = least_cos <= crease_cos;
@@ -135,8 +151,7 @@ FoundEdges classifyEdges(MeshModel* mesh, const MapParameters& params, Patches* 
 
 double automaticStep(double feature_length, double diagonal) {
   constexpr double kWantedSamples = 4000;
-  const double step = feature_length > 0 ? feature_length / kWantedSamples : diagonal / 100;
-  return std::clamp(step, 1e-4, 0.05);
+  return std::clamp(std::max(feature_length / kWantedSamples, diagonal / 100), 1e-4, 0.05);
 }
 
 void sampleLines(EdgeModel* model) {
@@ -198,12 +213,12 @@ EdgeModel buildEdgeModel(MeshModel* mesh, const MapParameters& params) {
   }
   const double tolerance = std::clamp(1e-5 * mesh->diagonal(), 1e-6, 1e-3);
   model.merged_pieces = mergeCollinear(&found.features, tolerance);
-  for (EdgeLine& line : found.features) {
+  for (const EdgeLine& line : found.features) {
     if (line.length() < params.min_line_length || line.length() <= 0) continue;
-    line.group = model.group_count++;
     model.feature_length += line.length();
     model.lines.push_back(line);
   }
+  model.group_count = groupCurves(&model.lines, tolerance);
   model.sample_step = params.sample_step > 0
                           ? params.sample_step
                           : automaticStep(model.feature_length, mesh->diagonal());

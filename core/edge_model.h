@@ -26,9 +26,11 @@ struct EdgeLine {
   EdgeKind kind = EdgeKind::kCrease;
   uint32_t first_sample = 0;
   uint32_t sample_count = 0;
-  /// The "line" of equations (2) and (3): a straight line, or the short contour pieces of one
-  /// smooth surface together.
+  /// The "line" of equations (2) and (3): a straight line, the pieces of one smooth curve (the rim
+  /// of a column), or the short contour pieces of one smooth surface together.
   uint32_t group = 0;
+  /// Directions from the line into its faces, perpendicular to it; zero where there is no face.
+  Eigen::Vector3f into_a = Eigen::Vector3f::Zero(), into_b = Eigen::Vector3f::Zero();
   /// Contours only: normals of the two faces. The line is an outline as seen from c where
   /// exactly one of them faces c.
   Eigen::Vector3f normal_a = Eigen::Vector3f::Zero(), normal_b = Eigen::Vector3f::Zero();

@@ -18,7 +18,14 @@ struct LikelihoodFrame {
   CameraModel camera;
   std::shared_ptr<const ScoreTable> table;
   LikelihoodParameters params;
+  double sample_step = 0;  ///< of the edge model, metres
 };
+
+/// Factor of a sample's weight: min(1, scale * (|a| + |b|)), with (a, b) the derivative of the
+/// (distorted) normalised image point by the position along the line, times the depth; divided by
+/// the depth in the robust model, where the product is the spacing of the samples in units of the
+/// correlation length. In the paper's model only edges seen almost end-on fade.
+double spacingScale(const LikelihoodFrame& frame);
 
 /// What the image says of one pose.
 struct PoseScore {

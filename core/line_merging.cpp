@@ -153,4 +153,54 @@ size_t mergeCollinear(std::vector<EdgeLine>* lines, double tolerance) {
   return count - lines->size();
 }
 
+uint32_t groupCurves(std::vector<EdgeLine>* lines, double tolerance) {
+  const double largest_turn_cos = std::cos(35 * M_PI / 180);
+  const double cell = std::max(4 * tolerance, 1e-6);
+  using PointKey = std::array<int64_t, 3>;
+  struct End {
+    PointKey key;
+    size_t line;
+    Eigen::Vector3f outwards;  // direction in which the line would go on
+  };
+  std::vector<End> ends;
+  for (size_t i = 0; i < lines->size(); ++i) {
+    const auto keyOf = [&](const Eigen::Vector3f& p) {
+      return PointKey{std::llround(p.x() / cell), std::llround(p.y() / cell),
+                      std::llround(p.z() / cell)};
+    };
+    const Eigen::Vector3f t = (*lines)[i].tangent();
+    ends.push_back({keyOf((*lines)[i].start), i, -t});
+    ends.push_back({keyOf((*lines)[i].end), i, t});
+  }
+  std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
+    return a.key != b.key ? a.key < b.key : a.line < b.line;
+  });
+  DisjointSets sets(lines->size());
+  for (size_t i = 0; i < ends.size();) {
+    size_t j = i;
+    while (j < ends.size() && ends[j].key == ends[i].key) ++j;
+    // A curve goes on at a point if exactly one other line continues it there.
+    for (size_t a = i; a < j; ++a) {
+      size_t partners = 0, partner = a;
+      for (size_t b = i; b < j; ++b)
+        if (b != a && -ends[a].outwards.dot(ends[b].outwards) >= largest_turn_cos) {
+          ++partners;
+          partner = b;
+        }
+      if (partners == 1) sets.join(ends[a].line, ends[partner].line);
+    }
+    i = j;
+  }
+  std::vector<uint32_t> number(lines->size(), 0xffffffffu);
+  uint32_t count = 0;
+  for (size_t i = 0; i < lines->size(); ++i) {
+    uint32_t& group = number[sets.find(i)];
+    if (group == 0xffffffffu) group = count++;
+    (*lines)[i].group = group;
+  }
+  std::stable_sort(lines->begin(), lines->end(),
+                   [](const EdgeLine& a, const EdgeLine& b) { return a.group < b.group; });
+  return count;
+}
+
 }  // namespace edge_mcl

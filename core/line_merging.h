@@ -14,4 +14,9 @@ namespace edge_mcl {
 /// @return number of pieces that disappeared.
 size_t mergeCollinear(std::vector<EdgeLine>* lines, double tolerance);
 
+/// Numbers the groups: lines that continue each other with a turn of less than 35 degrees are
+/// pieces of one curve (the rim of a round column) and share a group. Orders lines by group.
+/// @return number of groups.
+uint32_t groupCurves(std::vector<EdgeLine>* lines, double tolerance);
+
 }  // namespace edge_mcl

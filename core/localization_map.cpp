@@ -49,7 +49,7 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
   const EdgeField field(prepared->edges, params_.image);
   const auto t2 = Clock::now();
   prepared->frame = {camera, std::make_shared<ScoreTable>(field, params_.likelihood),
-                     params_.likelihood};
+                     params_.likelihood, edges_->sample_step};
   const auto t3 = Clock::now();
   prepared->times = {milliseconds(t0, t1), milliseconds(t1, t2), milliseconds(t2, t3)};
   return prepared;

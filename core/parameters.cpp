@@ -216,12 +216,15 @@ void Parameters::validate() const {
           "image.orientation_tolerance_deg", "in (0, 90]");
   require(image.search_length >= 2 && image.search_length <= 200, "image.search_length",
           "2 to 200");
+  require(image.clutter_window >= 16 && image.clutter_window <= 2000, "image.clutter_window",
+          "16 to 2000");
   require(positive(likelihood.sigma), "likelihood.sigma", "positive");
   require(positive(likelihood.alpha), "likelihood.alpha", "positive");
   require(positive(likelihood.k), "likelihood.k", "positive");
   require(likelihood.missing_edge > 0 && likelihood.missing_edge < 1, "likelihood.missing_edge",
           "between 0 and 1");
   require(positive(likelihood.line_saturation), "likelihood.line_saturation", "positive");
+  require(positive(likelihood.correlation_length), "likelihood.correlation_length", "positive");
   require(positive(likelihood.discount), "likelihood.discount", "positive");
   require(not_negative(likelihood.border_fade), "likelihood.border_fade", "zero or more");
   require(refinement.iterations >= 1 && refinement.iterations <= 1000, "refinement.iterations",
@@ -232,6 +235,7 @@ void Parameters::validate() const {
               refinement.final_search_length <= refinement.search_length,
           "refinement.final_search_length", "1 to refinement.search_length");
   require(positive(refinement.sigma), "refinement.sigma", "positive");
+  require(refinement.max_samples >= 20, "refinement.max_samples", "at least 20");
   require(refinement.starts >= 1 && refinement.starts <= 1000, "refinement.starts", "1 to 1000");
   require(filter.particles >= 1 && filter.particles <= 10000000, "filter.particles",
           "1 to 10000000");
@@ -245,11 +249,18 @@ void Parameters::validate() const {
           "zero or more");
   require(positive(filter.walk_position_rate), "filter.walk_position_rate", "positive");
   require(positive(filter.walk_angle_rate_deg), "filter.walk_angle_rate_deg", "positive");
+  require(not_negative(filter.walk_acceleration), "filter.walk_acceleration", "zero or more");
+  require(not_negative(filter.walk_angular_acceleration_deg),
+          "filter.walk_angular_acceleration_deg", "zero or more");
   require(share(filter.velocity_smoothing), "filter.velocity_smoothing", "0 to 1");
   require(share(filter.resample_threshold), "filter.resample_threshold", "0 to 1");
   require(filter.ess_floor > 0 && filter.ess_floor < 1, "filter.ess_floor", "between 0 and 1");
   require(filter.refined_share >= 0 && filter.refined_share < 1, "filter.refined_share",
           "0 up to, not including, 1");
+  require(filter.tail_share >= 0 && filter.tail_share < 1, "filter.tail_share",
+          "0 up to, not including, 1");
+  require(filter.tail_scale >= 1 && filter.tail_scale <= 100, "filter.tail_scale", "1 to 100");
+  require(filter.max_passes >= 1 && filter.max_passes <= 100, "filter.max_passes", "1 to 100");
   if (!faults.empty()) throw ParameterError("parameters: " + faults);
 }
 

@@ -73,6 +73,7 @@ struct ImageParameters {
   int orientation_bins = 12;
   double orientation_tolerance_deg = 20;
   int search_length = 24;
+  int clutter_window = 88;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -87,6 +88,8 @@ struct ImageParameters {
     v("orientation_tolerance_deg", orientation_tolerance_deg, "deg",
       "largest angle between a model edge and the image edge it is matched to");
     v("search_length", search_length, "px", "longest normal; farther edges count as none");
+    v("clutter_window", clutter_window, "px",
+      "side of the window in which the density of edges is measured (robust model)");
   }
 };
 
@@ -100,6 +103,7 @@ struct LikelihoodParameters {
   double k = 60;
   double missing_edge = 0.35;
   double line_saturation = 6;
+  double correlation_length = 4;
   double discount = 1;
   double border_fade = 4;
 
@@ -113,6 +117,8 @@ struct LikelihoodParameters {
       "robust model: probability that a visible model edge leaves no edge in the image");
     v("line_saturation", line_saturation, "samples",
       "robust model: samples of one line count as at most this many independent ones");
+    v("correlation_length", correlation_length, "px",
+      "robust model: samples of a line closer than this in the image count partly");
     v("discount", discount, "", "robust model: factor on the log-likelihood, for correlation");
     v("border_fade", border_fade, "px", "samples fade in over this distance from the image border");
   }
@@ -126,6 +132,7 @@ struct RefinementParameters {
   double final_search_length = 6;
   double sigma = 1.5;
   int starts = 6;
+  int max_samples = 800;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -135,6 +142,7 @@ struct RefinementParameters {
     v("final_search_length", final_search_length, "px", "length of the normals at the last step");
     v("sigma", sigma, "px", "noise of an edge along its normal");
     v("starts", starts, "", "particles from which refinement starts");
+    v("max_samples", max_samples, "", "samples used per camera; more are thinned out evenly");
   }
 };
 
@@ -146,12 +154,17 @@ struct FilterParameters {
   double odometry_noise_angle_deg = 0.3;
   double odometry_noise_per_metre = 0.04;
   double odometry_noise_per_radian = 0.04;
-  double walk_position_rate = 0.10;
-  double walk_angle_rate_deg = 10;
+  double walk_position_rate = 0.03;
+  double walk_angle_rate_deg = 3;
+  double walk_acceleration = 1;
+  double walk_angular_acceleration_deg = 60;
   double velocity_smoothing = 0.6;
   double resample_threshold = 0.5;
   double ess_floor = 0.1;
   double refined_share = 0.3;
+  double tail_share = 0.1;
+  double tail_scale = 4;
+  int max_passes = 5;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -169,11 +182,20 @@ struct FilterParameters {
       "without odometry: position noise");
     v("walk_angle_rate_deg", walk_angle_rate_deg, "deg/sqrt(s)",
       "without odometry: rotation noise");
+    v("walk_acceleration", walk_acceleration, "m/s^2",
+      "without odometry: acceleration that the constant-velocity model misses");
+    v("walk_angular_acceleration_deg", walk_angular_acceleration_deg, "deg/s^2",
+      "without odometry: angular acceleration that the constant-velocity model misses");
     v("velocity_smoothing", velocity_smoothing, "",
       "without odometry: share of the newest velocity in the constant-velocity model");
     v("resample_threshold", resample_threshold, "", "resample when ESS/N falls below");
     v("ess_floor", ess_floor, "", "an image is tempered so that ESS/N stays above this");
     v("refined_share", refined_share, "", "share of particles drawn from refined poses");
+    v("tail_share", tail_share, "", "share of particles predicted with a wider spread");
+    v("tail_scale", tail_scale, "", "how much wider");
+    v("max_passes", max_passes, "",
+      "an image is used in up to so many tempered passes while the particles spread wider than "
+      "the normals of the refinement reach");
   }
 };
 

@@ -1,6 +1,7 @@
 #include "edge_mcl/core/pose_refiner.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "edge_mcl/core/edge_field.h"
@@ -23,19 +24,45 @@ struct PoseRefiner::NormalEquations {
   int matched = 0, used = 0;
 };
 
+namespace {
+
+/// Number of samples inside the image, estimated from the middles of the segments.
+size_t inImage(const RefinementView& view, const Pose& pose) {
+  const Pose camera_from_map = pose.inverse();
+  size_t count = 0;
+  for (const VisibleSet::Segment& segment : view.visible->segments) {
+    Eigen::Vector2d pixel;
+    if (view.camera->project(camera_from_map * segment.centre.cast<double>(), &pixel) &&
+        view.camera->contains(pixel))
+      count += segment.count;
+  }
+  return count;
+}
+
+}  // namespace
+
 PoseRefiner::PoseRefiner(RefinementParameters refinement, LikelihoodParameters likelihood,
                          ImageParameters image)
     : refinement_(refinement), likelihood_(likelihood), image_(image) {}
 
 PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
                                                     const Pose& base_pose, double search_length,
-                                                    double sigma) const {
+                                                    double sigma,
+                                                    const Matrix6* prior_covariance) const {
   const CameraModel& camera = *view.camera;
   const EdgeImage& image = *view.image;
   const VisibleSet& set = *view.visible;
   const Pose pose = base_pose * view.T_base_camera;
   NormalEquations total, line;
+  const uint32_t stride = std::max<uint32_t>(
+      1, static_cast<uint32_t>(inImage(view, pose) / static_cast<size_t>(refinement_.max_samples)));
+  uint32_t phase = 0;
   const Pose camera_from_map = pose.inverse();
+  // The camera moves with the base: xi_camera = Ad(T_camera_base) xi_base.
+  const Matrix6 to_base = adjoint(view.T_base_camera.inverse());
+  Matrix6 camera_covariance = Matrix6::Zero();
+  if (prior_covariance)
+    camera_covariance = to_base * *prior_covariance * to_base.transpose();
   const double tolerance_cos = std::cos(image_.orientation_tolerance_deg * M_PI / 180);
   const double e = likelihood_.missing_edge;
   const double clutter_density = e / (2 * search_length);
@@ -43,6 +70,7 @@ PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
   for (const VisibleSet::Segment& segment : set.segments) {
     const Eigen::Vector3d tangent = camera_from_map.linear() * segment.tangent.cast<double>();
     for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
+      if (phase++ % stride != 0) continue;
       const Eigen::Vector3d p = camera_from_map * set.position[i].cast<double>();
       Eigen::Vector2d pixel;
       if (!camera.project(p, &pixel) || !camera.contains(pixel)) continue;
@@ -55,28 +83,33 @@ PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
       const Eigen::Vector2d direction = -jacobian.leftCols<3>() * tangent;
       if (direction.norm() < 1e-6) continue;
       const Eigen::Vector2d normal = Eigen::Vector2d(-direction.y(), direction.x()).normalized();
+      const Twist row = (normal.transpose() * jacobian).transpose();
       ++line.used;
-      const NormalHit hit = searchAlongNormal(image, pixel, normal, search_length, tolerance_cos);
+      // The prior says how far along this normal the edge can be (active search).
+      double length = search_length;
+      if (prior_covariance) {
+        const double spread = std::sqrt(row.dot(camera_covariance * row));
+        length = std::min(length, std::max(refinement_.final_search_length / 2, 3 * spread + 2));
+      }
+      const NormalHit hit = searchAlongNormal(image, pixel, normal, length, tolerance_cos);
       if (!hit.found) continue;
       ++line.matched;
       const double residual = normal.dot(image.subPixel(hit.x, hit.y) - pixel);
       const double inlier = peak * std::exp(-residual * residual / (2 * sigma * sigma));
-      const double weight = inlier / (inlier + clutter_density) / (sigma * sigma);
-      const Twist row = (normal.transpose() * jacobian).transpose();
+      const double weight =
+          segment.facing * inlier / (inlier + clutter_density) / (sigma * sigma);
       line.h.noalias() += weight * row * row.transpose();
       line.g += weight * residual * row;
     }
     if (!segment.ends_group) continue;
     // As in the robust likelihood, one line says at most as much as `line_saturation` samples.
-    const double share = 1 / (1 + line.used / likelihood_.line_saturation);
+    const double share = stride / (1 + stride * line.used / likelihood_.line_saturation);
     total.h += share * line.h;
     total.g += share * line.g;
     total.matched += line.matched;
     total.used += line.used;
     line = {};
   }
-  // The camera moves with the base: xi_camera = Ad(T_camera_base) xi_base.
-  const Matrix6 to_base = adjoint(view.T_base_camera.inverse());
   total.h = to_base.transpose() * total.h * to_base;
   total.g = to_base.transpose() * total.g;
   return total;
@@ -99,7 +132,8 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
     const double sigma = std::max(refinement_.sigma, length / 4);
     NormalEquations n;
     for (const RefinementView& view : views) {
-      const NormalEquations of_view = linearize(view, result.pose, length, sigma);
+      const NormalEquations of_view = linearize(
+          view, result.pose, length, sigma, prior ? &prior->covariance : nullptr);
       n.h += of_view.h;
       n.g += of_view.g;
       n.matched += of_view.matched;

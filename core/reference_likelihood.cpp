@@ -29,10 +29,11 @@ ProjectedSample projectSample(const LikelihoodFrame& frame, const Pose& camera_f
                                   frame.camera.height - 1 - out.pixel.y()});
   const double fade =
       frame.params.border_fade > 0 ? std::min(1.0, border / frame.params.border_fade) : 1.0;
-  // Foreshortening: length of the projected unit tangent in undone-focal-length units.
-  const double end_on = std::abs(out.direction.x() / frame.camera.fx) * p.z() +
-                        std::abs(out.direction.y() / frame.camera.fy) * p.z();
-  out.weight = fade * std::min(1.0, 50 * end_on);
+  // Length of the projected unit tangent in normalised coordinates.
+  const double length = std::abs(out.direction.x() / frame.camera.fx) +
+                        std::abs(out.direction.y() / frame.camera.fy);
+  const double by_depth = frame.params.model == LikelihoodModel::kPaper ? p.z() : 1;
+  out.weight = fade * std::min(1.0, spacingScale(frame) * length * by_depth);
   out.valid = true;
   return out;
 }
@@ -82,9 +83,10 @@ PoseScore sumLines(const LikelihoodFrame& frame, const VisibleSet& set, const Po
       const ProjectedSample s =
           projectSample(frame, camera_from_map, set.position[i], segment.tangent);
       double score = 0;
+      const double facing = frame.params.model == LikelihoodModel::kRobust ? segment.facing : 1.0;
       if (!s.valid || !score_of(s, &score)) continue;
-      line.score += s.weight * score;
-      line.weight += s.weight;
+      line.score += facing * s.weight * score;
+      line.weight += facing * s.weight;
     }
     if (segment.ends_group) {
       line_count += std::min(1.0, line.weight);
@@ -118,7 +120,7 @@ PoseScore paperFlowScore(const LikelihoodFrame& frame, const EdgeImage& image,
                           image_params.search_length, tolerance);
     *score = sampleScore(frame.params,
                          hit.found ? std::abs(hit.distance) : std::numeric_limits<double>::infinity(),
-                         0.02);
+                         0.02, image_params.search_length);
     return true;
   });
 }

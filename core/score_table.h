@@ -13,15 +13,21 @@ namespace edge_mcl {
 
 /// Score of one sample as a function of its distance d to the image edge.
 ///  - paper model: g(d) of equation (1); 0 where no edge is in reach.
-///  - robust model: log-ratio of "a model edge is here" to "none is", docs/likelihood.md:
-///    log(e + (1 - e) p1(d) / p0(d)), p1 half-normal, p0 exponential with the image's own
-///    density of edges of this direction.
+///  - robust model: log-ratio r(d) of "a model edge is here" to "none is", docs/likelihood.md:
+///    log(e + (1 - e) p1(d) / p0(d)), p1 half-normal, p0 exponential with the image's own local
+///    density of edges of this direction; minus its mean under p0, so that a pose that matches no
+///    better than chance scores 0, like one that sees nothing of the model.
 /// @param distance pixels, infinity for none. @param clutter edges per pixel along the normal.
-double sampleScore(const LikelihoodParameters& params, double distance, double clutter);
+double sampleScore(const LikelihoodParameters& params, double distance, double clutter,
+                   double search_length);
 
-/// Density of edges along a normal, from the share of pixels with none within +-search_length:
-/// exp(-2 clutter length) = share, kept in a sane range.
-double clutterDensity(double empty_share, double search_length);
+/// Mean of the uncentred log-ratio under p0: what chance would give.
+double meanLogRatioByChance(const LikelihoodParameters& params, double clutter,
+                            double search_length);
+
+/// Keeps a measured density of edges in the range that the model can use: an empty image knows
+/// nothing of its clutter, a full one has at most an edge every few pixels.
+double usableClutter(double density);
 
 /// Scores as bytes, four neighbours in one word: (x,y), (x+1,y), (x,y+1), (x+1,y+1) from the low
 /// byte up. 1..255 are linear between lowest and highest score; a word of 0 means: ignored.

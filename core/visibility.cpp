@@ -86,27 +86,54 @@ struct Visibility::Cache {
 namespace {
 
 double automaticCellSize(const MeshModel& mesh) {
-  return std::clamp(0.02 * mesh.diagonal(), 0.005, 0.10);
+  return std::clamp(0.02 * mesh.diagonal(), 0.02, 0.10);
 }
 double automaticTolerance(const MeshModel& mesh) {
   return std::clamp(0.002 * mesh.diagonal(), 1e-4, 0.01);
 }
 
+/// Largest apparent width per depth of the faces at a line that are seen from the eye, as a share
+/// of what counts as full view. In the cross-section at the line two faces on one side of it hide
+/// each other; the one closer to the direction of the eye is in front.
+float facingWeight(const EdgeLine& line, const Eigen::Vector3f& at, const Eigen::Vector3f& eye) {
+  constexpr float kFullView = 0.17f;  // sine of 10 degrees
+  const bool has_a = !line.into_a.isZero(), has_b = !line.into_b.isZero();
+  if (line.kind == EdgeKind::kContour || (!has_a && !has_b)) return 1;
+  const Eigen::Vector3f tangent = line.tangent();
+  Eigen::Vector3f to_eye = eye - at;
+  to_eye -= tangent * tangent.dot(to_eye);
+  if (to_eye.norm() < 1e-6f) return 1;
+  to_eye.normalize();
+  const Eigen::Vector3f sideways = tangent.cross(to_eye);
+  const float sin_a = line.into_a.dot(sideways), sin_b = line.into_b.dot(sideways);
+  float width = 0;
+  if (!has_b)
+    width = std::abs(sin_a);
+  else if (!has_a)
+    width = std::abs(sin_b);
+  else if ((sin_a > 0) != (sin_b > 0))
+    width = std::max(std::abs(sin_a), std::abs(sin_b));
+  else
+    width = std::abs(line.into_a.dot(to_eye) > line.into_b.dot(to_eye) ? sin_a : sin_b);
+  return std::min(1.0f, width / kFullView);
+}
+
 /// Short segments, so that a long wall can be culled piece by piece.
-void appendSegments(const Eigen::Vector3f& tangent, uint32_t line, size_t first,
-                    VisibleSet* set) {
+void appendSegments(const EdgeLine& line, uint32_t line_index, const Eigen::Vector3f& eye,
+                    size_t first, VisibleSet* set) {
   constexpr size_t kSegmentSamples = 16;
   for (size_t i = first; i < set->position.size(); i += kSegmentSamples) {
     VisibleSet::Segment segment;
     segment.first = static_cast<uint32_t>(i);
     segment.count =
         static_cast<uint32_t>(std::min(kSegmentSamples, set->position.size() - i));
-    segment.tangent = tangent;
-    segment.line = line;
+    segment.tangent = line.tangent();
+    segment.line = line_index;
     const Eigen::Vector3f& a = set->position[i];
     const Eigen::Vector3f& b = set->position[i + segment.count - 1];
     segment.centre = 0.5f * (a + b);
     segment.radius = 0.5f * (b - a).norm() * 1.0001f + 1e-5f;
+    segment.facing = facingWeight(line, segment.centre, eye);
     set->segments.push_back(segment);
   }
 }
@@ -147,7 +174,7 @@ VisibleSet Visibility::exact(const Eigen::Vector3d& position) const {
       open_group = line.group;
       ++result.group_count;
     }
-    appendSegments(line.tangent(), l, before, &result);
+    appendSegments(line, l, eye, before, &result);
   }
   if (!result.segments.empty()) result.segments.back().ends_group = true;
   return result;

@@ -22,6 +22,9 @@ struct VisibleSet {
     Eigen::Vector3f tangent;
     Eigen::Vector3f centre;  ///< of the bounding sphere of its samples, map frame
     float radius = 0;
+    /// 1 for a line at a face in full view, falling to 0 as the face turns edge-on: then its far
+    /// edge cannot be told from its near one in the image. Robust model only.
+    float facing = 1;
     uint32_t first = 0, count = 0;
     bool ends_group = false;
     uint32_t line = 0;  ///< index into EdgeModel::lines

@@ -37,9 +37,35 @@ Pose GaussianDensity::draw(RandomSource* random) const {
   return normalized(gaussian_.mean * expSe3(factor_ * random->normalTwist()));
 }
 
+namespace {
+
+double logSum(double a, double b) {
+  const double high = std::max(a, b), low = std::min(a, b);
+  return high + std::log1p(std::exp(low - high));
+}
+
+}  // namespace
+
+PredictiveDensity::PredictiveDensity(const PoseGaussian& cloud, double tail_share,
+                                     const Matrix6& extra)
+    : core_(cloud),
+      tail_({cloud.mean, cloud.covariance + extra}),
+      log_core_share_(std::log1p(-tail_share)),
+      log_tail_share_(tail_share > 0 ? std::log(tail_share) : -1e300) {}
+
+double PredictiveDensity::log(const Pose& pose) const {
+  return logSum(log_core_share_ + core_.log(pose), log_tail_share_ + tail_.log(pose));
+}
+
+const PoseGaussian& PredictiveDensity::componentOf(const Pose& pose) const {
+  return log_core_share_ + core_.log(pose) >= log_tail_share_ + tail_.log(pose)
+             ? core_.gaussian()
+             : tail_.gaussian();
+}
+
 ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraView>& views,
                            const std::vector<Pose>& predicted,
-                           const std::vector<PoseScore>& scores, const GaussianDensity& predictive,
+                           const std::vector<PoseScore>& scores, const PredictiveDensity& predictive,
                            int starts) {
   std::vector<uint32_t> order(predicted.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -49,8 +75,8 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
   // The best particles, but no two within half a standard deviation of the predicted cloud; the
   // centre of the cloud always.
   const Matrix6 information =
-      predictive.gaussian().covariance.ldlt().solve(Matrix6::Identity());
-  std::vector<Pose> chosen{predictive.gaussian().mean};
+      predictive.core().covariance.ldlt().solve(Matrix6::Identity());
+  std::vector<Pose> chosen{predictive.core().mean};
   const size_t looked_at = std::max<size_t>(order.size() / 2, 1);
   for (size_t k = 0; k < looked_at && chosen.size() < static_cast<size_t>(starts); ++k) {
     const Pose& candidate = predicted[order[k]];
@@ -64,7 +90,7 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
 
   std::vector<RefinementResult> refined(chosen.size());
   tbb::parallel_for(size_t{0}, chosen.size(), [&](size_t i) {
-    refined[i] = map.refine(views, chosen[i], predictive.gaussian());
+    refined[i] = map.refine(views, chosen[i], predictive.componentOf(chosen[i]));
   });
   std::vector<Pose> poses;
   for (const RefinementResult& r : refined) poses.push_back(r.pose);

@@ -23,6 +23,22 @@ class GaussianDensity {
   double log_norm_;
 };
 
+/// Predictive density with heavy tails: a Gaussian fitted to the predicted particles and, with a
+/// small share, one whose covariance is larger by `extra`.
+class PredictiveDensity {
+ public:
+  PredictiveDensity(const PoseGaussian& cloud, double tail_share, const Matrix6& extra);
+  double log(const Pose& pose) const;
+  Pose drawTail(RandomSource* random) const { return tail_.draw(random); }
+  const PoseGaussian& core() const { return core_.gaussian(); }
+  /// The component that a pose more likely stems from: the prior for refining it.
+  const PoseGaussian& componentOf(const Pose& pose) const;
+
+ private:
+  GaussianDensity core_, tail_;
+  double log_core_share_, log_tail_share_;
+};
+
 /// Gaussians around refined poses, all with the same share.
 class ModeProposal {
  public:
@@ -30,7 +46,7 @@ class ModeProposal {
   /// @param scores log-likelihoods of `predicted`. @param predictive Gaussian of `predicted`.
   ModeProposal(const LocalizationMap& map, const std::vector<CameraView>& views,
                const std::vector<Pose>& predicted, const std::vector<PoseScore>& scores,
-               const GaussianDensity& predictive, int starts);
+               const PredictiveDensity& predictive, int starts);
 
   bool empty() const { return modes_.empty(); }
   size_t size() const { return modes_.size(); }

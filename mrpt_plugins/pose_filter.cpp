@@ -33,6 +33,7 @@ void PoseFilter::initialize(const PoseGaussian& gaussian) {
   last_estimate_.reset();
   since_last_estimate_ = 0;
   velocity_.setZero();
+  noise_variance_.setZero();
 }
 
 void PoseFilter::initialize(const Pose& mean, double std_position, double std_angle) {
@@ -76,6 +77,7 @@ void PoseFilter::addNoise(double std_position, double std_angle) {
   scale << std_position, std_position, std_position, std_angle, std_angle, std_angle;
   for (Pose& pose : poses_)
     pose = normalized(pose * expSe3(scale.cwiseProduct(random_.normalTwist())));
+  noise_variance_ += scale.cwiseAbs2();
 }
 
 void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
@@ -98,8 +100,10 @@ void PoseFilter::predictWithoutOdometry(double dt) {
   resampleIfNeeded();
   const Pose increment = expSe3(velocity_ * dt);
   for (Pose& pose : poses_) pose = pose * increment;
-  const double root = std::sqrt(dt);
-  addNoise(params_.walk_position_rate * root, params_.walk_angle_rate_deg * M_PI / 180 * root);
+  const double root = std::sqrt(dt), half_square = dt * dt / 2, degree = M_PI / 180;
+  addNoise(params_.walk_position_rate * root + params_.walk_acceleration * half_square,
+           degree * (params_.walk_angle_rate_deg * root +
+                     params_.walk_angular_acceleration_deg * half_square));
   estimate_.mean = normalized(estimate_.mean * increment);
   since_last_estimate_ += dt;
 }
@@ -114,38 +118,49 @@ void PoseFilter::trackVelocity() {
   since_last_estimate_ = 0;
 }
 
-UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<CameraView>& views) {
-  const auto begin = Clock::now();
-  UpdateReport report;
-  const size_t n = poses_.size();
-  const std::vector<double> prior_weights = normalizedWeights();
-  const GaussianDensity predictive(meanAndCovariance(poses_, prior_weights));
+namespace {
 
+/// Every so many-th index: neighbours stem from one ancestor, so this takes the same share from
+/// each. @param phase in [0, 1), so that two selections differ.
+std::vector<size_t> evenShare(size_t n, double share, double phase) {
+  std::vector<size_t> chosen;
+  for (size_t i = 0; i < n; ++i)
+    if (std::floor(share * static_cast<double>(i + 1) + phase) >
+        std::floor(share * static_cast<double>(i) + phase))
+      chosen.push_back(i);
+  return chosen;
+}
+
+}  // namespace
+
+void PoseFilter::drawTails(const PredictiveDensity& predictive) {
+  for (size_t i : evenShare(poses_.size(), params_.tail_share, 0.5))
+    poses_[i] = predictive.drawTail(&random_);
+}
+
+void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
+                       const PredictiveDensity& predictive, double remaining_exponent,
+                       UpdateReport* report) {
+  const size_t n = poses_.size();
   auto start = Clock::now();
   std::vector<PoseScore> scores = map.evaluate(views, poses_);
-  report.likelihood_ms += millisecondsSince(start);
+  report->likelihood_ms += millisecondsSince(start);
 
   std::vector<double> log_ratio(n, 0);  // log p/q
-  if (refinement_.enabled) {
+  const double share = params_.refined_share;
+  if (refinement_.enabled && share > 0) {
     start = Clock::now();
     const ModeProposal modes(map, views, poses_, scores, predictive, refinement_.starts);
-    report.refinement_ms += millisecondsSince(start);
-    report.refined_modes = static_cast<int>(modes.size());
-    const double share = params_.refined_share;
-    if (!modes.empty() && share > 0) {
-      // Every so many-th particle is drawn anew; neighbours stem from one ancestor, so this takes
-      // the same share from each.
-      std::vector<size_t> redrawn;
-      for (size_t i = 0; i < n; ++i)
-        if (std::floor(share * static_cast<double>(i + 1)) >
-            std::floor(share * static_cast<double>(i)))
-          redrawn.push_back(i);
+    report->refinement_ms += millisecondsSince(start);
+    report->refined_modes = static_cast<int>(modes.size());
+    if (!modes.empty()) {
+      const std::vector<size_t> redrawn = evenShare(n, share, 0);
       std::vector<Pose> fresh;
       for (size_t k = 0; k < redrawn.size(); ++k)
         fresh.push_back(modes.mode(k % modes.size()).draw(&random_));
       start = Clock::now();
       const std::vector<PoseScore> fresh_scores = map.evaluate(views, fresh);
-      report.likelihood_ms += millisecondsSince(start);
+      report->likelihood_ms += millisecondsSince(start);
       for (size_t k = 0; k < redrawn.size(); ++k) {
         poses_[redrawn[k]] = fresh[k];
         scores[redrawn[k]] = fresh_scores[k];
@@ -158,36 +173,100 @@ UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<Ca
       }
     }
   }
-
-  for (const PoseScore& s : scores) report.has_information |= s.sample_weight > 0;
   std::vector<double> fixed(n), likelihood(n);
   for (size_t i = 0; i < n; ++i) {
+    report->has_information |= scores[i].sample_weight > 0;
     fixed[i] = log_weights_[i] + log_ratio[i];
-    likelihood[i] = scores[i].log_likelihood;
+    likelihood[i] = remaining_exponent * scores[i].log_likelihood;
   }
-  report.tempering = temperingExponent(fixed, likelihood, params_.ess_floor);
-  for (size_t i = 0; i < n; ++i) log_weights_[i] = fixed[i] + report.tempering * likelihood[i];
-  const std::vector<double> weights = normalizedWeights();
-  report.effective_sample_size = effectiveSampleSize(weights);
+  const double exponent = temperingExponent(fixed, likelihood, params_.ess_floor);
+  report->tempering += exponent * remaining_exponent;
+  for (size_t i = 0; i < n; ++i) log_weights_[i] = fixed[i] + exponent * likelihood[i];
+}
 
-  const PoseGaussian cloud = meanAndCovariance(poses_, weights);
-  estimate_ = cloud;
-  if (refinement_.enabled && report.has_information) {
-    start = Clock::now();
-    const RefinementResult sharp = map.refine(views, cloud.mean, predictive.gaussian());
-    report.refinement_ms += millisecondsSince(start);
-    const std::vector<PoseScore> compared = map.evaluate(views, {cloud.mean, sharp.pose});
-    const bool better = compared[1].log_likelihood + predictive.log(sharp.pose) >=
-                        compared[0].log_likelihood + predictive.log(cloud.mean);
-    if (better) {
-      // The cloud's spread, seen from the refined pose: tempering makes it a cautious figure.
-      const Twist shift = logSe3(sharp.pose.inverse() * cloud.mean);
-      estimate_.mean = sharp.pose;
-      estimate_.covariance = cloud.covariance + shift * shift.transpose();
+bool PoseFilter::spreadBeyondNormals(const LocalizationMap& map,
+                                     const std::vector<CameraView>& views,
+                                     const PoseGaussian& cloud) const {
+  const double angle = std::sqrt(cloud.covariance.diagonal().tail<3>().mean());
+  const double position = std::sqrt(cloud.covariance.diagonal().head<3>().mean());
+  for (const CameraView& view : views) {
+    const CameraModel& camera = view.image->frame.camera;
+    const Pose camera_pose = cloud.mean * view.T_base_camera;
+    const auto set = map.visibility().cached(map.visibility().cellOf(camera_pose.translation()));
+    std::vector<double> depths;
+    for (const VisibleSet::Segment& s : set->segments) {
+      Eigen::Vector2d pixel;
+      const Eigen::Vector3d p = camera_pose.inverse() * s.centre.cast<double>();
+      if (camera.project(p, &pixel) && camera.contains(pixel)) depths.push_back(p.z());
     }
-    report.matched_samples = sharp.matched_samples;
-    report.used_samples = sharp.used_samples;
+    if (depths.empty()) continue;
+    const auto middle = depths.begin() + static_cast<long>(depths.size() / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    const double pixels = camera.fx * std::hypot(angle, position / *middle);
+    if (pixels > refinement_.search_length / 2) return true;
   }
+  return false;
+}
+
+void PoseFilter::spreadCopies(const PoseGaussian& cloud) {
+  // Kernel with shrinkage, which keeps mean and covariance: J. Liu, M. West, "Combined parameter
+  // and state estimation in simulation-based filtering", 2001.
+  constexpr double kBandwidth = 0.3;
+  const double shrink = std::sqrt(1 - kBandwidth * kBandwidth);
+  const GaussianDensity kernel(
+      {Pose::Identity(), kBandwidth * kBandwidth * cloud.covariance});
+  const Pose inverse = cloud.mean.inverse();
+  for (Pose& pose : poses_)
+    pose = normalized(cloud.mean * expSe3(shrink * logSe3(inverse * pose)) *
+                      kernel.draw(&random_));
+}
+
+void PoseFilter::sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
+                                 const PoseGaussian& cloud, const PredictiveDensity& predictive,
+                                 UpdateReport* report) {
+  const auto start = Clock::now();
+  const RefinementResult sharp = map.refine(views, cloud.mean, predictive.componentOf(cloud.mean));
+  report->refinement_ms += millisecondsSince(start);
+  report->matched_samples = sharp.matched_samples;
+  report->used_samples = sharp.used_samples;
+  const std::vector<PoseScore> compared = map.evaluate(views, {cloud.mean, sharp.pose});
+  if (compared[1].log_likelihood + predictive.log(sharp.pose) <
+      compared[0].log_likelihood + predictive.log(cloud.mean))
+    return;
+  // The cloud's spread, seen from the refined pose: tempering makes it a cautious figure.
+  const Twist shift = logSe3(sharp.pose.inverse() * cloud.mean);
+  estimate_.mean = sharp.pose;
+  estimate_.covariance = cloud.covariance + shift * shift.transpose();
+}
+
+UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<CameraView>& views) {
+  const auto begin = Clock::now();
+  UpdateReport report;
+  std::optional<PredictiveDensity> predictive;
+  for (int pass = 0; pass < params_.max_passes; ++pass) {
+    // What motion can surprise with: its noise, `tail_scale` times wider.
+    const Matrix6 extra =
+        ((params_.tail_scale * params_.tail_scale - 1) * noise_variance_).asDiagonal();
+    const bool tails = refinement_.enabled && !noise_variance_.isZero();
+    const PredictiveDensity before(meanAndCovariance(poses_, normalizedWeights()),
+                                   tails ? params_.tail_share : 0, extra);
+    noise_variance_.setZero();
+    if (pass == 0) predictive.emplace(before);
+    if (tails) drawTails(before);
+    weigh(map, views, before, 1 - report.tempering, &report);
+    ++report.passes;
+    const std::vector<double> weights = normalizedWeights();
+    report.effective_sample_size = effectiveSampleSize(weights);
+    estimate_ = meanAndCovariance(poses_, weights);
+    const bool again = pass + 1 < params_.max_passes && report.tempering < 1 &&
+                       report.has_information &&
+                       spreadBeyondNormals(map, views, before.core());
+    if (!again) break;
+    resampleIfNeeded();
+    spreadCopies(estimate_);
+  }
+  if (refinement_.enabled && report.has_information)
+    sharpenEstimate(map, views, PoseGaussian(estimate_), *predictive, &report);
   const PoseScore at_estimate = map.evaluate(views, {estimate_.mean}).front();
   report.log_likelihood = at_estimate.log_likelihood;
   report.visible_samples = at_estimate.sample_weight;

@@ -8,6 +8,7 @@
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/core/parameters.h"
 #include "edge_mcl/core/se3.h"
+#include "edge_mcl/mrpt_plugins/mode_proposal.h"
 #include "edge_mcl/mrpt_plugins/random_source.h"
 
 namespace edge_mcl {
@@ -15,13 +16,14 @@ namespace edge_mcl {
 /// What one update did.
 struct UpdateReport {
   double effective_sample_size = 0;  ///< after the update, before resampling
-  double tempering = 1;              ///< exponent that was put on the likelihood
+  double tempering = 0;              ///< exponent that was put on the likelihood, all passes
   double visible_samples = 0;        ///< inside the image, at the estimate
   double visible_lines = 0;
   double log_likelihood = 0;         ///< of the estimate
   int matched_samples = 0;           ///< with an image edge within reach, at the estimate
   int used_samples = 0;
   int refined_modes = 0;             ///< poses that particles were drawn around
+  int passes = 0;                    ///< how often the image was used, with exponents below one
   bool has_information = false;      ///< false: nothing of the model in the images; only predicted
   double likelihood_ms = 0, refinement_ms = 0, total_ms = 0;
 };
@@ -30,7 +32,8 @@ struct UpdateReport {
 ///
 /// The proposal is a mixture: a share of the particles moves by odometry (or constant velocity)
 /// with noise; the others are drawn around poses refined on the present image. All get the weight
-/// likelihood * p / q, p the predictive density (a Gaussian fitted to the predicted particles), q
+/// likelihood * p / q, p the predictive density (a Gaussian fitted to the predicted particles, with
+/// a wider one for the unforeseen), q
 /// the mixture (balance heuristic: E. Veach, L. Guibas, SIGGRAPH 1995).
 class PoseFilter {
  public:
@@ -61,6 +64,15 @@ class PoseFilter {
   void resampleIfNeeded();
   void addNoise(double std_position, double std_angle);
   void trackVelocity();
+  void weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
+             const PredictiveDensity& predictive, double remaining_exponent, UpdateReport* report);
+  bool spreadBeyondNormals(const LocalizationMap& map, const std::vector<CameraView>& views,
+                           const PoseGaussian& cloud) const;
+  void drawTails(const PredictiveDensity& predictive);
+  void spreadCopies(const PoseGaussian& cloud);
+  void sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
+                       const PoseGaussian& cloud, const PredictiveDensity& predictive,
+                       UpdateReport* report);
   std::vector<double> normalizedWeights() const;
 
   FilterParameters params_;
@@ -71,6 +83,7 @@ class PoseFilter {
   PoseGaussian estimate_;
   std::optional<Pose> last_estimate_;
   double since_last_estimate_ = 0;  // seconds
+  Twist noise_variance_ = Twist::Zero();  // added by prediction since the last update
   Twist velocity_ = Twist::Zero();  // base frame, per second
 };
 
