@@ -13,7 +13,9 @@
 namespace edge_mcl {
 
 double combineLines(const LikelihoodParameters& params, double line_sum, double line_count) {
-  if (params.model == LikelihoodModel::kRobust) return params.discount * line_sum;
+  if (params.model == LikelihoodModel::kRobust)
+    return params.scale * line_sum /
+           (1 + params.line_correlation * std::max(0.0, line_count - 1));
   return std::log(params.alpha) + (line_count > 0 ? params.k * line_sum / line_count : 0);
 }
 

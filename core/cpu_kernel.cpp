@@ -221,13 +221,16 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
       group_weight = hn::Add(group_weight, weight);
     }
     if (!segment.ends_group) continue;
-    V divisor;
-    if (rule.paper)
-      divisor = hn::Max(one, group_weight);  // eq. (2); a line that just fades in counts partly
-    else
-      divisor = hn::MulAdd(group_weight, hn::Set(d, rule.inverse_saturation), one);
-    line_sum.add(hn::Mul(group_score, reciprocal(d, divisor)));
-    line_count = hn::Add(line_count, hn::Min(one, group_weight));
+    if (rule.paper) {
+      // Eq. (2); a line that just fades in counts partly.
+      line_sum.add(hn::Mul(group_score, reciprocal(d, hn::Max(one, group_weight))));
+      line_count = hn::Add(line_count, hn::Min(one, group_weight));
+    } else {
+      const V saturation = hn::Mul(group_weight, hn::Set(d, rule.inverse_saturation));
+      const V share = reciprocal(d, hn::Add(saturation, one));
+      line_sum.add(hn::Mul(group_score, share));
+      line_count = hn::MulAdd(saturation, share, line_count);
+    }
     total_weight = hn::Add(total_weight, group_weight);
     group_score = group_weight = zero;
   }

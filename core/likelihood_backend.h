@@ -29,10 +29,11 @@ double spacingScale(const LikelihoodFrame& frame);
 
 /// What the image says of one pose.
 struct PoseScore {
-  /// log W of equation (3), or the discounted sum of log-ratios (robust). Always finite.
+  /// log W of equation (3), or the scaled sum of log-ratios (robust). Always finite.
   double log_likelihood = 0;
   float sample_weight = 0;  ///< samples inside the image and not ignored (faded ones count partly)
-  float line_count = 0;     ///< lines with at least one such sample
+  /// Lines with at least one such sample; in the robust model the sum of how far each is saturated.
+  float line_count = 0;
 };
 
 /// Scores of poses against one image. A single pose is a batch of one and gives the same bits as

@@ -225,7 +225,9 @@ void Parameters::validate() const {
           "between 0 and 1");
   require(positive(likelihood.line_saturation), "likelihood.line_saturation", "positive");
   require(positive(likelihood.correlation_length), "likelihood.correlation_length", "positive");
-  require(positive(likelihood.discount), "likelihood.discount", "positive");
+  require(likelihood.line_correlation >= 0 && likelihood.line_correlation <= 1,
+          "likelihood.line_correlation", "0 to 1");
+  require(positive(likelihood.scale), "likelihood.scale", "positive");
   require(not_negative(likelihood.border_fade), "likelihood.border_fade", "zero or more");
   require(refinement.iterations >= 1 && refinement.iterations <= 1000, "refinement.iterations",
           "1 to 1000");

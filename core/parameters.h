@@ -98,13 +98,14 @@ enum class LikelihoodModel { kPaper, kRobust };
 /// The measurement model, see docs/likelihood.md.
 struct LikelihoodParameters {
   LikelihoodModel model = LikelihoodModel::kRobust;
-  double sigma = 3;
+  double sigma = 2;
   double alpha = 1;
   double k = 60;
   double missing_edge = 0.35;
   double line_saturation = 6;
   double correlation_length = 4;
-  double discount = 1;
+  double line_correlation = 0.5;
+  double scale = 8;
   double border_fade = 4;
 
   template <class Visitor>
@@ -119,7 +120,9 @@ struct LikelihoodParameters {
       "robust model: samples of one line count as at most this many independent ones");
     v("correlation_length", correlation_length, "px",
       "robust model: samples of a line closer than this in the image count partly");
-    v("discount", discount, "", "robust model: factor on the log-likelihood, for correlation");
+    v("line_correlation", line_correlation, "",
+      "robust model: correlation between lines; 0 adds them up, 1 averages them as eq. (3) does");
+    v("scale", scale, "", "robust model: factor on the log-likelihood, see line_correlation");
     v("border_fade", border_fade, "px", "samples fade in over this distance from the image border");
   }
 };

@@ -60,14 +60,16 @@ struct LineSums {
   double score = 0, weight = 0;
 };
 
+/// How much a line counts, and its score, added to the sums.
 void closeLine(const LikelihoodParameters& params, LineSums* line, double* line_sum,
-               PoseScore* out) {
-  const double divisor = params.model == LikelihoodModel::kPaper
-                             ? std::max(1.0, line->weight)
-                             : 1 + line->weight / params.line_saturation;
-  *line_sum += line->score / divisor;
-  out->line_count += static_cast<float>(std::min(1.0, line->weight));
-  out->sample_weight += static_cast<float>(line->weight);
+               double* line_count) {
+  if (params.model == LikelihoodModel::kPaper) {
+    *line_sum += line->score / std::max(1.0, line->weight);
+    *line_count += std::min(1.0, line->weight);
+  } else {
+    *line_sum += line->score / (1 + line->weight / params.line_saturation);
+    *line_count += line->weight / (line->weight + params.line_saturation);
+  }
   *line = {};
 }
 
@@ -89,10 +91,11 @@ PoseScore sumLines(const LikelihoodFrame& frame, const VisibleSet& set, const Po
       line.weight += facing * s.weight;
     }
     if (segment.ends_group) {
-      line_count += std::min(1.0, line.weight);
-      closeLine(frame.params, &line, &line_sum, &out);
+      out.sample_weight += static_cast<float>(line.weight);
+      closeLine(frame.params, &line, &line_sum, &line_count);
     }
   }
+  out.line_count = static_cast<float>(line_count);
   out.log_likelihood = combineLines(frame.params, line_sum, line_count);
   return out;
 }

@@ -52,6 +52,9 @@ void PoseFilter::setParticles(std::vector<Pose> poses, std::vector<double> log_w
       throw InputError("filter: particle " + std::to_string(i) + " is not a finite pose");
   poses_ = std::move(poses);
   log_weights_ = std::move(log_weights);
+  estimate_ = meanAndCovariance(poses_, normalizedWeights());
+  last_estimate_.reset();
+  velocity_.setZero();
 }
 
 std::vector<double> PoseFilter::normalizedWeights() const { return normalize(log_weights_); }

@@ -55,6 +55,9 @@ class PoseFilter {
   /// Weighs the particles by the images.
   UpdateReport update(const LocalizationMap& map, const std::vector<CameraView>& views);
 
+  /// Resamples now, if the next prediction would.
+  void resample() { resampleIfNeeded(); }
+
   const std::vector<Pose>& poses() const { return poses_; }
   const std::vector<double>& logWeights() const { return log_weights_; }
   /// Best pose and its covariance (tangent space at the pose, base frame).

@@ -1,0 +1,254 @@
+#include "edge_mcl/mrpt_plugins/CEdgeMap.h"
+
+#include <mrpt/config/CConfigFileBase.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/opengl/CSetOfLines.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <sstream>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
+#include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
+
+IMPLEMENTS_SERIALIZABLE(CEdgeMap, CMetricMap, edge_mcl)
+MAP_DEFINITION_REGISTER("edge_mcl::CEdgeMap,CEdgeMap", edge_mcl::CEdgeMap)
+
+namespace edge_mcl {
+
+CEdgeMap::CEdgeMap(const std::string& model_file, const Parameters& params) {
+  load(model_file, params);
+}
+
+void CEdgeMap::load(const std::string& model_file, const Parameters& params) {
+  map_ = std::make_shared<LocalizationMap>(model_file, params);
+  model_file_ = model_file;
+  cache_ = std::make_shared<ImageCache>();
+}
+
+const LocalizationMap& CEdgeMap::localization() const {
+  if (!map_) throw Error("edge map: no model is loaded");
+  return *map_;
+}
+
+// ---- Definition from ini files
+
+CEdgeMap::TMapDefinition::TMapDefinition() = default;
+
+namespace {
+
+/// MRPT's ini reader hands over what follows the value on its line.
+std::string withoutComment(std::string text) {
+  text.resize(std::min(text.size(), text.find_first_of("#;")));
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+void CEdgeMap::TMapDefinition::loadFromConfigFile_map_specific(
+    const mrpt::config::CConfigFileBase& source, const std::string& section_prefix) {
+  const std::string section = section_prefix + "_creationOpts";
+  std::string faults;
+  std::vector<std::string> keys;
+  source.getAllKeys(section, keys);
+  // Keys that MRPT reads itself for every map.
+  const std::vector<std::string> of_mrpt = {"enableSaveAs3DObject", "enableObservationLikelihood",
+                                            "enableObservationInsertion"};
+  for (const std::string& key : keys) {
+    if (key == "model_file" || std::count(of_mrpt.begin(), of_mrpt.end(), key)) continue;
+    try {
+      params.set(key, withoutComment(source.read_string(section, key, "")));
+    } catch (const ParameterError& e) {
+      faults += std::string(faults.empty() ? "" : "; ") + e.what();
+    }
+  }
+  model_file = withoutComment(source.read_string(section, "model_file", ""));
+  if (model_file.empty())
+    faults += (faults.empty() ? "" : "; ") + ("[" + section + "] has no model_file");
+  if (!faults.empty()) throw ParameterError("edge map: " + faults);
+  params.validate();
+}
+
+void CEdgeMap::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out) const {
+  out << "model_file = " << model_file << "\n" << params.toYaml();
+}
+
+mrpt::maps::CMetricMap* CEdgeMap::internal_CreateFromMapDefinition(
+    const mrpt::maps::TMetricMapInitializer& definition) {
+  const auto& d = dynamic_cast<const CEdgeMap::TMapDefinition&>(definition);
+  return new CEdgeMap(d.model_file, d.params);
+}
+
+// ---- Serialization: the file's name and the parameters; the model itself stays on disk.
+
+uint8_t CEdgeMap::serializeGetVersion() const { return 0; }
+
+void CEdgeMap::serializeTo(mrpt::serialization::CArchive& out) const {
+  out << model_file_;
+  const Parameters params = map_ ? map_->params() : Parameters();
+  const auto values = params.describe();
+  out << static_cast<uint32_t>(values.size());
+  for (const auto& v : values) out << v.name << v.value;
+}
+
+void CEdgeMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
+  if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
+  std::string file;
+  uint32_t count = 0;
+  in >> file >> count;
+  Parameters params;
+  for (uint32_t i = 0; i < count; ++i) {
+    std::string name, value;
+    in >> name >> value;
+    params.set(name, value);
+  }
+  internal_clear();
+  if (!file.empty()) load(file, params);
+}
+
+// ---- Observations
+
+namespace {
+
+struct ImageSource {
+  const mrpt::img::CImage* image = nullptr;
+  const mrpt::img::CImage* mask = nullptr;
+  const mrpt::img::TCamera* camera = nullptr;
+  Pose T_base_camera = Pose::Identity();
+};
+
+std::optional<ImageSource> imageOf(const mrpt::obs::CObservation& obs) {
+  ImageSource source;
+  if (const auto* image = dynamic_cast<const mrpt::obs::CObservationImage*>(&obs)) {
+    image->load();
+    source.image = &image->image;
+    source.camera = &image->cameraParams;
+    source.T_base_camera = toPose(image->cameraPose);
+    if (const auto* masked = dynamic_cast<const CObservationMaskedImage*>(image))
+      if (!masked->ignore_mask.isEmpty()) source.mask = &masked->ignore_mask;
+    return source;
+  }
+  if (const auto* range = dynamic_cast<const mrpt::obs::CObservation3DRangeScan*>(&obs)) {
+    if (!range->hasIntensityImage) return std::nullopt;
+    range->load();
+    source.image = &range->intensityImage;
+    source.camera = &range->cameraParamsIntensity;
+    source.T_base_camera = toPose(range->sensorPose + range->relativePoseIntensityWRTDepth);
+    return source;
+  }
+  return std::nullopt;
+}
+
+cv::Mat pixelsOf(const mrpt::img::CImage& image) {
+  image.forceLoad();
+  if (image.isEmpty()) throw InputError("image observation: the image is empty");
+  return image.asCvMatRef();
+}
+
+/// Tells images apart without reading all of their pixels.
+uint64_t keyOf(const mrpt::obs::CObservation& obs, const cv::Mat& pixels, const cv::Mat& mask) {
+  uint64_t hash = 1469598103934665603ull;
+  const auto mix = [&](uint64_t v) { hash = (hash ^ v) * 1099511628211ull; };
+  mix(reinterpret_cast<uint64_t>(&obs));
+  mix(static_cast<uint64_t>(obs.timestamp.time_since_epoch().count()));
+  for (const cv::Mat* m : {&pixels, &mask}) {
+    mix(reinterpret_cast<uint64_t>(m->data));
+    mix(static_cast<uint64_t>(m->rows) << 32 | static_cast<uint64_t>(m->cols));
+    if (m->empty()) continue;
+    const int row_step = std::max(1, m->rows / 16), column_step = std::max(1, m->cols / 16);
+    for (int y = row_step / 2; y < m->rows; y += row_step)
+      for (int x = column_step / 2; x < m->cols; x += column_step)
+        mix(m->ptr(y)[static_cast<size_t>(x) * m->elemSize()]);
+  }
+  return hash;
+}
+
+}  // namespace
+
+std::optional<CameraView> CEdgeMap::view(const mrpt::obs::CObservation& obs) const {
+  const std::optional<ImageSource> source = imageOf(obs);
+  if (!source) return std::nullopt;
+  const std::string origin = "image observation '" + obs.sensorLabel + "'";
+  const cv::Mat pixels = pixelsOf(*source->image);
+  const cv::Mat mask = source->mask ? pixelsOf(*source->mask) : cv::Mat();
+  const uint64_t key = keyOf(obs, pixels, mask);
+  std::lock_guard<std::mutex> lock(cache_->mutex);
+  if (!cache_->image || cache_->key != key) {
+    cache_->image = localization().prepare(toCameraModel(*source->camera, origin), pixels, mask,
+                                           origin);
+    cache_->key = key;
+  }
+  return CameraView{cache_->image, source->T_base_camera};
+}
+
+std::vector<double> CEdgeMap::logLikelihoods(const mrpt::obs::CObservation& obs,
+                                             const std::vector<Pose>& base_poses) const {
+  std::vector<double> result(base_poses.size(), 0);
+  if (const auto v = view(obs)) {
+    const std::vector<PoseScore> scores = localization().evaluate({*v}, base_poses);
+    for (size_t i = 0; i < result.size(); ++i) result[i] = scores[i].log_likelihood;
+  }
+  return result;
+}
+
+double CEdgeMap::internal_computeObservationLikelihood(
+    const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& taken_from) const {
+  return logLikelihoods(obs, {toPose(taken_from)}).front();
+}
+
+bool CEdgeMap::internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const {
+  return map_ && imageOf(obs).has_value();
+}
+
+bool CEdgeMap::internal_insertObservation(
+    const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&) {
+  return false;  // the model is given, nothing is learnt
+}
+
+void CEdgeMap::internal_clear() {
+  map_.reset();
+  model_file_.clear();
+  cache_ = std::make_shared<ImageCache>();
+}
+
+// ---- Output
+
+std::string CEdgeMap::asString() const {
+  std::ostringstream out;
+  out << "edge map of '" << model_file_ << "'";
+  if (map_) out << ", " << map_->edges().lines.size() << " lines";
+  return out.str();
+}
+
+void CEdgeMap::getVisualizationInto(mrpt::opengl::CSetOfObjects& out) const {
+  if (!genericMapParams.enableSaveAs3DObject || !map_) return;
+  auto lines = mrpt::opengl::CSetOfLines::Create();
+  lines->setName("edge_mcl::CEdgeMap");
+  lines->setColor_u8(0, 114, 178, 255);
+  lines->setLineWidth(1.5f);
+  for (const EdgeLine& line : map_->edges().lines)
+    if (line.kind != EdgeKind::kContour)
+      lines->appendLine(line.start.x(), line.start.y(), line.start.z(), line.end.x(),
+                        line.end.y(), line.end.z());
+  out.insert(lines);
+}
+
+void CEdgeMap::saveMetricMapRepresentationToFile(const std::string& prefix) const {
+  const std::string file = prefix + "_edges.obj";
+  std::ofstream out(file);
+  out << "# feature lines of " << model_file_ << "\n";
+  size_t index = 1;
+  for (const EdgeLine& line : localization().edges().lines) {
+    out << "v " << line.start.transpose() << "\nv " << line.end.transpose() << "\nl " << index
+        << " " << index + 1 << "\n";
+    index += 2;
+  }
+  if (!out.flush()) throw InputError(file + ": cannot be written");
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,88 @@
+/// The 3D model as an MRPT metric map.
+#pragma once
+
+#include <mrpt/maps/CMetricMap.h>
+#include <mrpt/maps/TMetricMapInitializer.h>
+#include <mrpt/maps/TMetricMapTypesRegistry.h>
+#include <mrpt/obs/CObservation.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "edge_mcl/core/localization_map.h"
+
+namespace edge_mcl {
+
+/// Scores camera images (CObservationImage, CObservationMaskedImage, and the intensity image of
+/// CObservation3DRangeScan) against the edges of a 3D model.
+///
+/// In an MRPT ini file, as map number 00 of section [MetricMap]:
+/// @code
+/// [MetricMap]
+/// edge_mcl::CEdgeMap_count = 1
+/// [MetricMap_edge_mcl::CEdgeMap_00_creationOpts]
+/// model_file = building.obj
+/// likelihood.model = robust       ; any parameter of `edge-mcl parameters`
+/// @endcode
+/// The library must be loaded before MRPT reads the file: link to it, or LD_PRELOAD it.
+///
+/// Log-likelihoods are pure functions of image and pose; the edges and the table of an image are
+/// made once and kept until another image comes. Safe to call from several threads.
+class CEdgeMap : public mrpt::maps::CMetricMap {
+  DEFINE_SERIALIZABLE(CEdgeMap, edge_mcl)
+
+ public:
+  CEdgeMap() = default;
+  /// @throws InputError, ParameterError
+  CEdgeMap(const std::string& model_file, const Parameters& params);
+
+  void load(const std::string& model_file, const Parameters& params);
+  /// @throws Error when no model is loaded.
+  const LocalizationMap& localization() const;
+  const std::string& modelFile() const { return model_file_; }
+
+  /// The observation's image, prepared, with the camera's place on the robot; nothing for
+  /// observations without an image. @throws InputError on a broken image, mask or camera.
+  std::optional<CameraView> view(const mrpt::obs::CObservation& obs) const;
+
+  /// Log-likelihood of many robot poses (T_map_base) at once: the same numbers that
+  /// computeObservationLikelihood gives one by one.
+  std::vector<double> logLikelihoods(const mrpt::obs::CObservation& obs,
+                                     const std::vector<Pose>& base_poses) const;
+
+  bool isEmpty() const override { return !map_; }
+  std::string asString() const override;
+  void getVisualizationInto(mrpt::opengl::CSetOfObjects& out) const override;
+  /// Writes PREFIX_edges.obj: the feature lines as line elements.
+  void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
+
+ private:
+  void internal_clear() override;
+  bool internal_insertObservation(
+      const mrpt::obs::CObservation& obs,
+      const std::optional<const mrpt::poses::CPose3D>& robot_pose) override;
+  double internal_computeObservationLikelihood(const mrpt::obs::CObservation& obs,
+                                               const mrpt::poses::CPose3D& taken_from) const override;
+  bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
+
+  std::string model_file_;
+  std::shared_ptr<const LocalizationMap> map_;
+
+  /// The last image, recognised by address, time and a sample of its pixels.
+  struct ImageCache {
+    std::mutex mutex;
+    uint64_t key = 0;
+    std::shared_ptr<const PreparedImage> image;
+  };
+  std::shared_ptr<ImageCache> cache_ = std::make_shared<ImageCache>();
+
+  MAP_DEFINITION_START(CEdgeMap)
+  std::string model_file;
+  Parameters params;
+  MAP_DEFINITION_END(CEdgeMap)
+};
+
+}  // namespace edge_mcl
