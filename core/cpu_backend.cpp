@@ -46,7 +46,7 @@ struct ViewCone {
   }
 };
 
-ViewCone coneOf(const CameraModel& camera, const std::vector<Pose>& poses,
+ViewCone coneOf(double max_view_angle, const std::vector<Pose>& poses,
                 const std::vector<uint32_t>& order, size_t begin, size_t end) {
   ViewCone cone;
   cone.apex = Eigen::Vector3d::Zero();
@@ -64,7 +64,7 @@ ViewCone coneOf(const CameraModel& camera, const std::vector<Pose>& poses,
     for (size_t i = begin; i < end; ++i)
       spread = std::max(spread, std::acos(std::clamp(
                                     cone.axis.dot(poses[order[i]].linear().col(2)), -1.0, 1.0)));
-    cone.half_angle = spread + camera.maxViewAngle() + 1e-3;
+    cone.half_angle = spread + max_view_angle + 1e-3;
   }
   for (size_t i = begin; i < end; ++i)
     cone.apex_radius =
@@ -149,9 +149,10 @@ void checkFrame(const LikelihoodFrame& frame) {
 
 /// Particles [begin, end) of `order`, which see `set`. Returns the particle-samples evaluated.
 uint64_t scoreRange(const LikelihoodFrame& frame, const VisibleSet& set,
-                    const std::vector<Pose>& poses, const std::vector<uint32_t>& order,
-                    size_t begin, size_t end, std::vector<PoseScore>* scores) {
-  const ViewCone cone = coneOf(frame.camera, poses, order, begin, end);
+                    double max_view_angle, const std::vector<Pose>& poses,
+                    const std::vector<uint32_t>& order, size_t begin, size_t end,
+                    std::vector<PoseScore>* scores) {
+  const ViewCone cone = coneOf(max_view_angle, poses, order, begin, end);
   KernelBlock block;
   fillSamples(set, cone, frame.params.model == LikelihoodModel::kRobust, &block);
   fillPoses(poses, order, begin, end, cone.apex, &block);
@@ -212,6 +213,7 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
     ranges.push_back({i, j});
     i = j;
   }
+  const double max_view_angle = frame.camera.maxViewAngle();
   std::vector<uint64_t> evaluated(ranges.size());
   tbb::parallel_for(size_t{0}, ranges.size(), [&](size_t r) {
     const uint32_t first = order[ranges[r].begin];
@@ -221,7 +223,8 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
     else
       set = visibility_->cached(cells[first]);
     evaluated[r] =
-        scoreRange(frame, *set, camera_poses, order, ranges[r].begin, ranges[r].end, &scores);
+        scoreRange(frame, *set, max_view_angle, camera_poses, order, ranges[r].begin,
+                              ranges[r].end, &scores);
   });
   last_evaluated_samples_ = std::accumulate(evaluated.begin(), evaluated.end(), uint64_t{0});
   return scores;
@@ -235,8 +238,8 @@ std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, cons
   std::vector<uint32_t> order(camera_poses.size());
   std::iota(order.begin(), order.end(), 0u);
   for (size_t i = 0; i < order.size(); i += kBlockParticles)
-    scoreRange(frame, set, camera_poses, order, i, std::min(i + kBlockParticles, order.size()),
-               &scores);
+    scoreRange(frame, set, frame.camera.maxViewAngle(), camera_poses, order, i,
+               std::min(i + kBlockParticles, order.size()), &scores);
   return scores;
 }
 

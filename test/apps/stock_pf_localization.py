@@ -59,7 +59,7 @@ def main():
             f.write(text)
         run = subprocess.run(['pf-localization', ini, rawlog], capture_output=True, text=True,
                              env=dict(os.environ, LD_PRELOAD=plugin), timeout=900)
-        particles = os.path.join(folder, 'log_000_0003000', 'particles')
+        particles = os.path.join(folder, 'log_000_0001500', 'particles')
         if run.returncode != 0 or not os.path.isdir(particles):
             print(run.stdout[-3000:], run.stderr[-3000:])
             return 1

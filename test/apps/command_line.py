@@ -1,0 +1,200 @@
+#!/usr/bin/python3
+"""The command line tool with good and bad input: one clear line, the right exit code, partial
+output kept. Needs nothing but the tool: it makes its own sequence.
+
+usage: command_line.py EDGE_MCL SOURCE_DIRECTORY
+"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+failures = []
+OK, USAGE, INPUT, INCOMPLETE = 0, 2, 3, 4
+
+
+def check(good, text):
+    print(('ok      ' if good else 'FAILED  ') + text)
+    if not good:
+        failures.append(text)
+
+
+def write(path, text):
+    with open(path, 'w') as f:
+        f.write(text)
+
+
+def pgm(path, shift):
+    """A bright square on dark ground, as the cube below looks from 0.5 m."""
+    width, height, rows = 160, 120, []
+    for y in range(height):
+        rows.append(bytes(190 if abs(x - 80 - shift) < 30 and abs(y - 60) < 30 else 60
+                          for x in range(width)))
+    with open(path, 'wb') as f:
+        f.write(b'P5\n%d %d\n255\n' % (width, height) + b''.join(rows))
+
+
+def make_sequence(folder):
+    os.makedirs(os.path.join(folder, 'rgb'))
+    for i in range(5):
+        pgm(os.path.join(folder, 'rgb', '%d.pgm' % i), 0)
+    write(os.path.join(folder, 'rgb.txt'),
+          ''.join('%.2f rgb/%d.pgm\n' % (0.1 * i, i) for i in range(5)))
+    write(os.path.join(folder, 'camera.yaml'),
+          'image_width: 160\nimage_height: 120\ncamera_name: test\n'
+          'camera_matrix: {rows: 3, cols: 3, data: [150, 0, 80, 0, 150, 60, 0, 0, 1]}\n'
+          'distortion_model: plumb_bob\n'
+          'distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n')
+    write(os.path.join(folder, 'sequence.yaml'),
+          'name: square\ninitial_pose: [0, 0, 0, 0, 0, 0, 1]\ninitial_std: [0.005, 0.01]\n')
+    write(os.path.join(folder, 'model.obj'),
+          'v -0.1 -0.1 0.5\nv 0.1 -0.1 0.5\nv 0.1 0.1 0.5\nv -0.1 0.1 0.5\nf 1 2 3 4\n')
+
+
+class Cases:
+    def __init__(self, tool, folder):
+        self.tool, self.folder = tool, folder
+        self.number = 0
+
+    def run(self, *arguments):
+        return subprocess.run([self.tool, *arguments], capture_output=True, text=True, timeout=120)
+
+    def case(self, name, status, words, change=None, arguments=()):
+        """A fresh sequence, changed by `change`, must end with `status` and name `words`."""
+        self.number += 1
+        sequence = os.path.join(self.folder, 'case%d' % self.number)
+        make_sequence(sequence)
+        if change:
+            change(sequence)
+        out = os.path.join(self.folder, 'est%d.txt' % self.number)
+        r = self.run('localize', sequence, '--particles', '100', '--out', out, *arguments)
+        lines = [l for l in r.stderr.splitlines() if l.strip()]
+        named = all(any(w in l for l in lines) for w in words)
+        check(r.returncode == status and named and len(lines) <= 3,
+              '%s: status %d (wanted %d), %s' % (name, r.returncode, status, lines or r.stdout))
+        written = 0
+        if os.path.exists(out):
+            with open(out) as f:
+                written = sum(1 for l in f if l[0] != '#')
+        return written
+
+
+def replace(name, old, new):
+    def change(sequence):
+        path = os.path.join(sequence, name)
+        with open(path) as f:
+            text = f.read()
+        assert old in text
+        write(path, text.replace(old, new))
+    return change
+
+
+def overwrite(name, text):
+    return lambda sequence: write(os.path.join(sequence, name), text)
+
+
+def remove(name):
+    return lambda sequence: os.remove(os.path.join(sequence, name))
+
+
+def truncate_image(sequence):
+    with open(os.path.join(sequence, 'rgb', '2.pgm'), 'wb') as f:
+        f.write(b'P5\n160 12')
+
+
+def add_mask(width, height):
+    def change(sequence):
+        os.makedirs(os.path.join(sequence, 'mask'))
+        with open(os.path.join(sequence, 'mask', '0.pgm'), 'wb') as f:
+            f.write(b'P5\n%d %d\n255\n' % (width, height) + bytes(width * height))
+        write(os.path.join(sequence, 'mask.txt'), '0.00 mask/0.pgm\n')
+    return change
+
+
+def bad_input(c):
+    c.case('good sequence', OK, [])
+    c.case('mask of the right size', OK, [], add_mask(160, 120))
+    c.case('no model', INPUT, ['model'], remove('model.obj'))
+    c.case('empty model', INPUT, ['model.obj'], overwrite('model.obj', ''))
+    c.case('model without meaning', INPUT, ['model.obj'], overwrite('model.obj', 'hello\n'))
+    c.case('NaN vertex', INPUT, ['model.obj'], replace('model.obj', 'v -0.1 -0.1', 'v nan -0.1'))
+    c.case('absurd vertex', INPUT, ['vertex'], replace('model.obj', 'v -0.1 -0.1', 'v 1e20 -0.1'))
+    c.case('camera without a key', INPUT, ['camera.yaml', 'distortion_model'],
+           replace('camera.yaml', 'distortion_model: plumb_bob\n', ''))
+    c.case('camera that is no YAML', INPUT, ['camera.yaml'], overwrite('camera.yaml', '{[:'))
+    c.case('NaN initial pose', INPUT, ['initial_pose'],
+           replace('sequence.yaml', '[0, 0, 0, 0', '[.nan, 0, 0, 0'))
+    c.case('no images listed', INPUT, ['rgb.txt'], overwrite('rgb.txt', '# none\n'))
+    c.case('malformed list', INPUT, ['rgb.txt:1'], overwrite('rgb.txt', '0.1\n'))
+    c.case('unknown parameter', USAGE, ['likelihood.sigma'], None, ['--set', 'likelihood.sigm=2'])
+    c.case('illegal parameter', USAGE, ['filter.particles'], None, ['--set', 'filter.particles=0'])
+    c.case('unwritable output', INPUT, ['cannot be written'], None, ['--out', '/no/such/dir/x'])
+    # Faults in the middle: reported, skipped, pose predicted, every line written.
+    written = c.case('truncated image', INCOMPLETE, ['2.pgm'], truncate_image)
+    check(written == 5, 'truncated image: %d of 5 poses written' % written)
+    written = c.case('missing image', INCOMPLETE, ['3.pgm'], remove('rgb/3.pgm'))
+    check(written == 5, 'missing image: %d of 5 poses written' % written)
+    c.case('mask of another size', INCOMPLETE, ['mask'], add_mask(16, 12))
+    written = c.case('time goes back', OK, ['time goes back'], replace('rgb.txt', '0.20', '0.05'))
+    check(written == 4, 'time goes back: %d of 4 poses written' % written)
+    c.case('nothing of the model in view', OK, ['no model edge'],
+           replace('sequence.yaml', '[0, 0, 0, 0, 0, 0, 1]', '[0, 0, 0, 0, 1, 0, 0]'))
+
+
+def other_commands(c, source):
+    sequence = os.path.join(c.folder, 'good')
+    make_sequence(sequence)
+    est = os.path.join(c.folder, 'est.txt')
+    stats, plot = os.path.join(c.folder, 'stats.json'), os.path.join(c.folder, 'plot.png')
+    r = c.run('localize', sequence, '--out', est, '--stats', stats, '--plot', plot,
+              '--overlay', os.path.join(c.folder, 'overlay'), '--json')
+    check(r.returncode == OK and json.loads(r.stdout)['images'] == 5, 'localize --json')
+    with open(stats) as f:
+        images = json.load(f)['images']
+    check(len(images) == 5 and len(images[0]['covariance']) == 36, 'stats has every image')
+    check(len(os.listdir(os.path.join(c.folder, 'overlay'))) == 5 and os.path.getsize(plot) > 1000,
+          'overlays and plot are written')
+    with open(est) as f:
+        last = [float(x) for x in f.read().splitlines()[-1].split()]
+    # The square's sides fix the pose to a fraction of a pixel: 0.5 px are 1.7 mm here; the depth
+    # and the tilts are weaker.
+    check(all(abs(x) < 0.02 for x in last[1:4]), 'pose of the square: %s' % last[1:4])
+    r = c.run('evaluate', est, est, '--json')
+    check(r.returncode == OK and json.loads(r.stdout)['success_share'] == 1, 'evaluate with itself')
+    r = c.run('evaluate', est, '/no/such/file')
+    check(r.returncode == INPUT and '/no/such/file' in r.stderr, 'evaluate without reference')
+    r = c.run('inspect', os.path.join(source, 'maps', 'cube_and_cylinder.obj'), '--json',
+              '--picture', os.path.join(c.folder, 'model.png'))
+    check(r.returncode == OK and json.loads(r.stdout)['edges']['contour'] == 48, 'inspect')
+    rawlog = os.path.join(c.folder, 'x.rawlog')
+    r = c.run('rawlog', sequence, rawlog)
+    check(r.returncode == OK and os.path.getsize(rawlog) > 1000, 'rawlog')
+    r = c.run('parameters')
+    yaml = os.path.join(c.folder, 'all.yaml')
+    write(yaml, r.stdout)
+    again = c.run('parameters', '--params', yaml)
+    check(again.stdout == r.stdout, 'parameters can be read back')
+    for command in ('localize', 'inspect', 'evaluate', 'basin', 'rawlog', 'bench', 'parameters'):
+        r = c.run(command, '--help')
+        check(r.returncode == OK and len(r.stdout) > 200, command + ' --help')
+    check(c.run().returncode == USAGE, 'no subcommand')
+    check(c.run('localize').returncode == USAGE, 'no sequence')
+    check(c.run('localize', '/no/such/dir').returncode == INPUT, 'no such sequence')
+
+
+def main():
+    tool, source = sys.argv[1:3]
+    folder = tempfile.mkdtemp()
+    try:
+        c = Cases(tool, folder)
+        bad_input(c)
+        other_commands(c, source)
+    finally:
+        shutil.rmtree(folder)
+    return 1 if failures else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

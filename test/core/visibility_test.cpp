@@ -1,0 +1,85 @@
+#include "edge_mcl/core/visibility.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <thread>
+
+#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "support/scenes.h"
+
+namespace edge_mcl {
+namespace {
+
+TEST(Visibility, OfABoxNineEdgesAreSeenFromACorner) {
+  MeshSoup soup;
+  test::addBox(&soup, {0, 0, 0}, {1, 1, 1});
+  MeshModel mesh = weldMesh(soup, 1e-6, "box");
+  const EdgeModel edges = buildEdgeModel(&mesh, {});
+  const Visibility visibility(mesh, edges, {});
+  EXPECT_EQ(visibility.exact({3, 4, 5}).group_count, 9u);
+  EXPECT_EQ(visibility.exact({3, 0.5, 0.5}).group_count, 4u);
+  EXPECT_EQ(visibility.exact({0.5, 0.5, 0.5}).group_count, 12u);  // from inside
+}
+
+/// Share of samples whose cached visibility differs from exact rays, over random free positions.
+TEST(Visibility, CachedAgreesWithExactRays) {
+  MeshModel mesh = test::furnishedRooms();
+  const EdgeModel edges = buildEdgeModel(&mesh, {});
+  const Visibility visibility(mesh, edges, {});
+  RandomSource random(7);
+  size_t differ = 0, visible = 0;
+  int poses = 0;
+  while (poses < 1000) {
+    const Eigen::Vector3d p(8 * random.uniform(), 5 * random.uniform(), 2.6 * random.uniform());
+    const auto insideBox = [&](double x0, double y0, double z0, double x1, double y1, double z1) {
+      constexpr double kMargin = 0.2;  // a UAV keeps this far from furniture
+      return p.x() > x0 - kMargin && p.x() < x1 + kMargin && p.y() > y0 - kMargin &&
+             p.y() < y1 + kMargin && p.z() > z0 - kMargin && p.z() < z1 + kMargin;
+    };
+    if (insideBox(0.3, 0.2, 0, 1.9, 1, 1.2) || insideBox(2.9, 4.2, 0, 3.8, 4.9, 1.9) ||
+        insideBox(5, 3.5, 0, 7, 4.4, 0.45) || insideBox(5.6, 0.3, 0, 6.4, 1.1, 0.72) ||
+        insideBox(7.2, 1, 0, 7.8, 2.2, 1.4) || insideBox(3.95, 0, 0, 4.05, 5, 2.6) ||
+        p.x() < 0.2 || p.x() > 7.8 || p.y() < 0.2 || p.y() > 4.8 || p.z() < 0.2 || p.z() > 2.4)
+      continue;
+    ++poses;
+    const auto keys = [](const VisibleSet& set) {
+      std::set<std::tuple<float, float, float>> result;
+      for (const auto& q : set.position) result.insert({q.x(), q.y(), q.z()});
+      return result;
+    };
+    const auto exact = keys(visibility.exact(p));
+    const auto cached = keys(*visibility.cached(visibility.cellOf(p)));
+    visible += exact.size();
+    for (const auto& k : exact) differ += 1 - cached.count(k);
+    for (const auto& k : cached) differ += 1 - exact.count(k);
+  }
+  const double share = static_cast<double>(differ) / static_cast<double>(visible);
+  std::printf("cached visibility differs from exact rays for %.2f %% of the visible samples "
+              "(cell %.2f m)\n", 100 * share, visibility.cellSize());
+  RecordProperty("disagreement_percent", std::to_string(100 * share));
+  EXPECT_LT(share, 0.02);
+}
+
+TEST(Visibility, TheCacheIsBoundedAndServesManyThreads) {
+  MeshModel mesh = test::furnishedRooms();
+  const EdgeModel edges = buildEdgeModel(&mesh, {});
+  VisibilityParameters params;
+  params.cache_cells = 8;
+  const Visibility visibility(mesh, edges, params);
+  std::vector<std::thread> threads;
+  std::vector<size_t> sizes(4 * 50);
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 50; ++i)
+        sizes[t * 50 + i] = visibility.cached({10 + i % 12, 10, 10})->position.size();
+    });
+  for (auto& thread : threads) thread.join();
+  for (int i = 0; i < 200; ++i)
+    EXPECT_EQ(sizes[i], visibility.exact(visibility.cellCentre({10 + i % 50 % 12, 10, 10})).position.size());
+  EXPECT_LE(visibility.statistics().cells, 8u);
+  EXPECT_GT(visibility.statistics().dropped, 0u);
+}
+
+}  // namespace
+}  // namespace edge_mcl
