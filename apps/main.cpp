@@ -4,13 +4,20 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <sstream>
+#include <iostream>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
 
 int main(int argc, char** argv) {
   using namespace edge_mcl;
+  // Libraries report what they could not read there, too; the tool says it once, by itself, and
+  // uses C's stderr.
+  std::cerr.rdbuf(nullptr);
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   CLI::App app{
       "Finds the 6-DoF pose of a camera inside a known 3D model by Monte-Carlo localization on "
       "edges.\n\nTypical first steps:\n"
@@ -36,7 +43,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+    std::ostringstream out, err;
+    const int status = app.exit(e, out, err);
+    std::fputs(out.str().c_str(), stdout);
+    std::fputs(err.str().c_str(), stderr);
+    return status == 0 ? kExitOk : kExitUsage;
   }
   std::unique_ptr<tbb::global_control> limit;
   if (threads > 0)

@@ -72,9 +72,10 @@ ViewCone coneOf(double max_view_angle, const std::vector<Pose>& poses,
   return cone;
 }
 
-void fillSamples(const VisibleSet& set, const ViewCone& cone, bool use_facing,
-                 KernelBlock* block) {
-  const Eigen::Vector3f origin = cone.apex.cast<float>();
+/// @param origin near the cameras; the same for every block of a cell, so that a particle's bits
+///   do not depend on its neighbours.
+void fillSamples(const VisibleSet& set, const ViewCone& cone, const Eigen::Vector3f& origin,
+                 bool use_facing, KernelBlock* block) {
   size_t group_begin = 0;  // first kept segment of the open group
   for (const VisibleSet::Segment& segment : set.segments) {
     if (!cone.misses(segment.centre.cast<double>(), segment.radius)) {
@@ -101,8 +102,7 @@ void fillSamples(const VisibleSet& set, const ViewCone& cone, bool use_facing,
 }
 
 void fillPoses(const std::vector<Pose>& poses, const std::vector<uint32_t>& order, size_t begin,
-               size_t end, const Eigen::Vector3d& apex, KernelBlock* block) {
-  const Eigen::Vector3d origin = apex.cast<float>().cast<double>();
+               size_t end, const Eigen::Vector3f& origin, KernelBlock* block) {
   block->particles = end - begin;
   const size_t padded = (block->particles + KernelBlock::kLanePadding - 1) /
                         KernelBlock::kLanePadding * KernelBlock::kLanePadding;
@@ -110,7 +110,7 @@ void fillPoses(const std::vector<Pose>& poses, const std::vector<uint32_t>& orde
   for (size_t lane = 0; lane < padded; ++lane) {
     const Pose& pose = poses[order[begin + std::min(lane, block->particles - 1)]];
     const Eigen::Matrix3d to_camera = pose.linear().transpose();
-    const Eigen::Vector3d t = -(to_camera * (pose.translation() - origin));
+    const Eigen::Vector3d t = -(to_camera * (pose.translation() - origin.cast<double>()));
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c)
         block->pose[3 * r + c][lane] = static_cast<float>(to_camera(r, c));
@@ -149,13 +149,15 @@ void checkFrame(const LikelihoodFrame& frame) {
 
 /// Particles [begin, end) of `order`, which see `set`. Returns the particle-samples evaluated.
 uint64_t scoreRange(const LikelihoodFrame& frame, const VisibleSet& set,
-                    double max_view_angle, const std::vector<Pose>& poses,
+                    const Eigen::Vector3d& near_cameras, double max_view_angle,
+                    const std::vector<Pose>& poses,
                     const std::vector<uint32_t>& order, size_t begin, size_t end,
                     std::vector<PoseScore>* scores) {
   const ViewCone cone = coneOf(max_view_angle, poses, order, begin, end);
   KernelBlock block;
-  fillSamples(set, cone, frame.params.model == LikelihoodModel::kRobust, &block);
-  fillPoses(poses, order, begin, end, cone.apex, &block);
+  const Eigen::Vector3f origin = near_cameras.cast<float>();
+  fillSamples(set, cone, origin, frame.params.model == LikelihoodModel::kRobust, &block);
+  fillPoses(poses, order, begin, end, origin, &block);
   const ScoreTable& t = *frame.table;
   const KernelTable table{t.words(), t.width(), t.height(), t.bins(), t.scale(), t.offset()};
   const LikelihoodParameters& p = frame.params;
@@ -223,7 +225,7 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
     else
       set = visibility_->cached(cells[first]);
     evaluated[r] =
-        scoreRange(frame, *set, max_view_angle, camera_poses, order, ranges[r].begin,
+        scoreRange(frame, *set, visibility_->cellCentre(cells[first]), max_view_angle, camera_poses, order, ranges[r].begin,
                               ranges[r].end, &scores);
   });
   last_evaluated_samples_ = std::accumulate(evaluated.begin(), evaluated.end(), uint64_t{0});
@@ -238,7 +240,8 @@ std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, cons
   std::vector<uint32_t> order(camera_poses.size());
   std::iota(order.begin(), order.end(), 0u);
   for (size_t i = 0; i < order.size(); i += kBlockParticles)
-    scoreRange(frame, set, frame.camera.maxViewAngle(), camera_poses, order, i,
+    scoreRange(frame, set, camera_poses.front().translation(), frame.camera.maxViewAngle(),
+               camera_poses, order, i,
                std::min(i + kBlockParticles, order.size()), &scores);
   return scores;
 }

@@ -114,8 +114,10 @@ EdgeImage findEdges(const cv::Mat& image, const cv::Mat& mask, const ImageParame
                  cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(size, size)));
     }
   }
-  cv::Mat smooth = result.grey;
-  if (params.blur_sigma > 0)
+  cv::Mat smooth;  // never the caller's pixels
+  if (params.blur_sigma <= 0)
+    smooth = result.grey;
+  else
     cv::GaussianBlur(result.grey, smooth, cv::Size(), params.blur_sigma, params.blur_sigma,
                      cv::BORDER_REPLICATE);
   cv::Scharr(smooth, result.gradient_x, CV_16S, 1, 0, 1, 0, cv::BORDER_REPLICATE);

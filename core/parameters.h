@@ -65,7 +65,7 @@ struct VisibilityParameters {
 struct ImageParameters {
   double blur_sigma = 1.0;
   double edge_share = 0.08;
-  double noise_factor = 3.0;
+  double noise_factor = 4.0;
   double hysteresis = 0.4;
   bool straight_segments = false;
   double min_segment_length = 20;

@@ -136,6 +136,8 @@ TEST(EdgeMap, TheScalarPathGivesTheBatchsNumbers) {
   for (size_t i = 0; i < poses.size(); ++i) {
     const double scalar = map.computeObservationLikelihood(*obs, toMrpt(poses[i]));
     EXPECT_TRUE(std::isfinite(scalar));
+    EXPECT_EQ(map.logLikelihoods(*obs, {poses[i]}).front(), batch[i]);
+    EXPECT_LT((toPose(toMrpt(poses[i])).matrix() - poses[i].matrix()).norm(), 1e-12);
     // CPose3D carries the same rotation matrix; only its entries' last bits may differ.
     EXPECT_NEAR(scalar, batch[i], 1e-6 * (1 + std::abs(batch[i])));
   }
