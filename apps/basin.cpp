@@ -62,8 +62,9 @@ Trial runTrial(const LocalizationMap& map, const std::shared_ptr<const PreparedI
 int run(const BasinOptions& o) {
   const Parameters params = o.parameters.load();
   if (!(o.offset >= 0) || !(o.angle >= 0) || o.trials < 1 || o.repeats < 1)
-    throw ParameterError("basin: --offset and --angle must be zero or more, --trials and --repeats "
-                         "at least 1");
+    throw ParameterError(
+        "basin: --offset and --angle must be zero or more, --trials and --repeats "
+        "at least 1");
   const Sequence sequence = readSequence(o.sequence);
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty()) throw InputError(o.sequence + ": no model.obj in it; use --model");
@@ -117,10 +118,11 @@ int run(const BasinOptions& o) {
                             .dump(1)
                             .c_str());
   } else {
-    std::printf("%s: start %.2f m and %.1f deg off, %d looks at one image, %zu trials: "
-                "%.1f %% end within 0.10 m and 3 deg (median error %.1f cm, %.2f deg)\n",
-                sequence.name.c_str(), o.offset, o.angle, o.repeats, total, 100 * share,
-                100 * p.median, a.median);
+    std::printf(
+        "%s: start %.2f m and %.1f deg off, %d looks at one image, %zu trials: "
+        "%.1f %% end within 0.10 m and 3 deg (median error %.1f cm, %.2f deg)\n",
+        sequence.name.c_str(), o.offset, o.angle, o.repeats, total, 100 * share, 100 * p.median,
+        a.median);
   }
   return kExitOk;
 }

@@ -39,10 +39,10 @@ double millisecondsOf(const std::function<void()>& work) {
 double median(std::vector<double> values) { return summarize(std::move(values)).median; }
 
 struct Timing {
-  double plain = 0, one = 0, all = 0;      // ms for all particles
-  double one_field = 0;                    // ms for edges and table, one thread
-  uint64_t samples = 0;                    // particle-samples evaluated
-  ErrorSummary update_one, update_all;     // ms of whole updates
+  double plain = 0, one = 0, all = 0;   // ms for all particles
+  double one_field = 0;                 // ms for edges and table, one thread
+  uint64_t samples = 0;                 // particle-samples evaluated
+  ErrorSummary update_one, update_all;  // ms of whole updates
 };
 
 std::vector<double> wholeUpdates(const LocalizationMap& map, const Sequence& sequence,
@@ -107,8 +107,8 @@ int run(const BenchOptions& o) {
       }));
     withOneThread([&] {
       one.push_back(millisecondsOf([&] { map.backend().evaluate(image->frame, poses); }));
-      field.push_back(millisecondsOf(
-          [&] { map.prepare(sequence.camera, picture, {}, frame.image_file); }));
+      field.push_back(
+          millisecondsOf([&] { map.prepare(sequence.camera, picture, {}, frame.image_file); }));
     });
     all.push_back(millisecondsOf([&] { map.backend().evaluate(image->frame, poses); }));
   }
@@ -139,8 +139,10 @@ int run(const BenchOptions& o) {
       {"ratio_plain_to_one_thread", t.plain / t.one},
       {"ratio_plain_to_one_thread_with_image", t.plain / (t.one + t.one_field)},
       {"ratio_one_to_all_threads", t.one / t.all},
-      {"update_ms_one_thread", {{"p50", percentile(updates_one, 0.5)}, {"p95", percentile(updates_one, 0.95)}}},
-      {"update_ms_all_threads", {{"p50", percentile(updates_all, 0.5)}, {"p95", percentile(updates_all, 0.95)}}},
+      {"update_ms_one_thread",
+       {{"p50", percentile(updates_one, 0.5)}, {"p95", percentile(updates_one, 0.95)}}},
+      {"update_ms_all_threads",
+       {{"p50", percentile(updates_all, 0.5)}, {"p95", percentile(updates_all, 0.95)}}},
       {"checksum", checksum}};
   if (o.json) {
     std::printf("%s\n", j.dump(1).c_str());
@@ -159,10 +161,11 @@ int run(const BenchOptions& o) {
   row(("ours, " + std::to_string(threads) + " threads").c_str(), t.all, t.plain / t.all);
   std::printf("  edges and table of the image, 1 thread     %10.2f ms (once per image)\n",
               t.one_field);
-  std::printf("  whole update, image in, pose out: 1 thread p50 %.1f p95 %.1f ms; %d threads p50 "
-              "%.1f p95 %.1f ms\n",
-              percentile(updates_one, 0.5), percentile(updates_one, 0.95), threads,
-              percentile(updates_all, 0.5), percentile(updates_all, 0.95));
+  std::printf(
+      "  whole update, image in, pose out: 1 thread p50 %.1f p95 %.1f ms; %d threads p50 "
+      "%.1f p95 %.1f ms\n",
+      percentile(updates_one, 0.5), percentile(updates_one, 0.95), threads,
+      percentile(updates_all, 0.5), percentile(updates_all, 0.95));
   return kExitOk;
 }
 

@@ -55,8 +55,7 @@ int run(const InspectOptions& o) {
                         {"sample_step", edges.sample_step},
                         {"warnings", findings(map)}};
     for (int k = 0; k < kEdgeKinds; ++k)
-      j["edges"][edgeKindName(static_cast<EdgeKind>(k))] =
-          edges.countOf(static_cast<EdgeKind>(k));
+      j["edges"][edgeKindName(static_cast<EdgeKind>(k))] = edges.countOf(static_cast<EdgeKind>(k));
     std::printf("%s\n", j.dump(1).c_str());
     return kExitOk;
   }
@@ -64,9 +63,10 @@ int run(const InspectOptions& o) {
   std::printf("  size       %.4g x %.4g x %.4g m, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g)\n",
               size.x(), size.y(), size.z(), mesh.lowest.x(), mesh.lowest.y(), mesh.lowest.z(),
               mesh.highest.x(), mesh.highest.y(), mesh.highest.z());
-  std::printf("  geometry   %zu vertices (%zu read), %zu triangles, %zu line elements, %u materials\n",
-              mesh.vertices.size(), mesh.report.vertices_read, mesh.triangles.size(),
-              mesh.lines.size(), mesh.material_count);
+  std::printf(
+      "  geometry   %zu vertices (%zu read), %zu triangles, %zu line elements, %u materials\n",
+      mesh.vertices.size(), mesh.report.vertices_read, mesh.triangles.size(), mesh.lines.size(),
+      mesh.material_count);
   std::printf("  edges     ");
   for (int k = 0; k < kEdgeKinds; ++k)
     std::printf(" %zu %s%s", edges.countOf(static_cast<EdgeKind>(k)),
@@ -85,7 +85,8 @@ int run(const InspectOptions& o) {
 
 void addInspect(CLI::App* app, Action* action) {
   auto o = std::make_shared<InspectOptions>();
-  CLI::App* c = app->add_subcommand("inspect", "what is in a model: size, edges, warnings, picture");
+  CLI::App* c =
+      app->add_subcommand("inspect", "what is in a model: size, edges, warnings, picture");
   c->add_option("model", o->model, "model file (OBJ, PLY, STL, DAE, glTF, IFC, ...)")->required();
   c->add_option("--picture", o->picture, "picture of the wireframe, edges coloured by kind");
   c->add_flag("--json", o->json, "print as JSON");

@@ -37,15 +37,19 @@ nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
   j["tempering"] = u.tempering;
   j["visible_lines"] = u.visible_lines;
   j["visible_samples"] = u.visible_samples;
-  j["match_ratio"] = u.used_samples > 0 ? static_cast<double>(u.matched_samples) / u.used_samples : 0;
+  j["match_ratio"] =
+      u.used_samples > 0 ? static_cast<double>(u.matched_samples) / u.used_samples : 0;
   j["log_likelihood"] = u.log_likelihood;
   j["refined_modes"] = u.refined_modes;
-  j["ms"] = {{"reading", r.reading_ms},          {"edges", r.image_times.edges},
-             {"field", r.image_times.field},     {"table", r.image_times.table},
-             {"likelihood", u.likelihood_ms},    {"refinement", u.refinement_ms},
-             {"filter", u.total_ms},
-             {"update", r.image_times.edges + r.image_times.field + r.image_times.table +
-                            u.total_ms}};
+  j["ms"] = {
+      {"reading", r.reading_ms},
+      {"edges", r.image_times.edges},
+      {"field", r.image_times.field},
+      {"table", r.image_times.table},
+      {"likelihood", u.likelihood_ms},
+      {"refinement", u.refinement_ms},
+      {"filter", u.total_ms},
+      {"update", r.image_times.edges + r.image_times.field + r.image_times.table + u.total_ms}};
   const Matrix6 c = covarianceInMapAxes(r.estimate);
   std::vector<double> covariance(c.data(), c.data() + 36);
   j["covariance"] = covariance;
@@ -173,8 +177,7 @@ void addLocalize(CLI::App* app, Action* action) {
       ->required();
   c->add_option("--model", o->model, "model file, if not SEQUENCE/model.obj");
   c->add_option("--backend", o->backend, "auto, cpu or cuda");
-  c->add_option("--initial-std", o->initial_std,
-                "spread of the first particles as metres,degrees");
+  c->add_option("--initial-std", o->initial_std, "spread of the first particles as metres,degrees");
   c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
   c->add_option("--out", o->out, "trajectory to write (TUM format)");
   c->add_option("--stats", o->stats, "JSON file with timings, ESS, covariance per image");

@@ -8,8 +8,8 @@ namespace edge_mcl {
 
 void addParameters(CLI::App* app, Action* action) {
   auto o = std::make_shared<ParameterOptions>();
-  CLI::App* c = app->add_subcommand(
-      "parameters", "print all parameters as a commented YAML file for --params");
+  CLI::App* c = app->add_subcommand("parameters",
+                                    "print all parameters as a commented YAML file for --params");
   o->addTo(c);
   c->callback([o, action] {
     *action = [o] {

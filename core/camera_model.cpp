@@ -33,8 +33,7 @@ Radial equidistantAngle(const CameraModel& camera, double theta) {
   const auto& k = camera.coefficients;
   const double t2 = theta * theta;
   const double value = theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
-  const double slope =
-      1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
+  const double slope = 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
   return {value, slope};
 }
 
@@ -208,8 +207,7 @@ CameraModel CameraModel::fromYamlFile(const std::string& file) {
     if (k_list.size() != 9) throw InputError(file + ": camera_matrix/data must have 9 numbers");
     std::array<double, 9> k{};
     std::copy(k_list.begin(), k_list.end(), k.begin());
-    const auto d =
-        need(need(root, "distortion_coefficients"), "data").as<std::vector<double>>();
+    const auto d = need(need(root, "distortion_coefficients"), "data").as<std::vector<double>>();
     return fromFields(need(root, "image_width").as<int>(), need(root, "image_height").as<int>(), k,
                       need(root, "distortion_model").as<std::string>(), d.data(), d.size(), file);
   } catch (const YAML::Exception& e) {

@@ -14,8 +14,7 @@ namespace edge_mcl {
 
 double combineLines(const LikelihoodParameters& params, double line_sum, double line_count) {
   if (params.model == LikelihoodModel::kRobust)
-    return params.scale * line_sum /
-           (1 + params.line_correlation * std::max(0.0, line_count - 1));
+    return params.scale * line_sum / (1 + params.line_correlation * std::max(0.0, line_count - 1));
   return std::log(params.alpha) + (line_count > 0 ? params.k * line_sum / line_count : 0);
 }
 
@@ -62,8 +61,8 @@ ViewCone coneOf(double max_view_angle, const std::vector<Pose>& poses,
   if (cone.axis.norm() > 1e-3) {
     cone.axis.normalize();
     for (size_t i = begin; i < end; ++i)
-      spread = std::max(spread, std::acos(std::clamp(
-                                    cone.axis.dot(poses[order[i]].linear().col(2)), -1.0, 1.0)));
+      spread = std::max(
+          spread, std::acos(std::clamp(cone.axis.dot(poses[order[i]].linear().col(2)), -1.0, 1.0)));
     cone.half_angle = spread + max_view_angle + 1e-3;
   }
   for (size_t i = begin; i < end; ++i)
@@ -150,9 +149,8 @@ void checkFrame(const LikelihoodFrame& frame) {
 /// Particles [begin, end) of `order`, which see `set`. Returns the particle-samples evaluated.
 uint64_t scoreRange(const LikelihoodFrame& frame, const VisibleSet& set,
                     const Eigen::Vector3d& near_cameras, double max_view_angle,
-                    const std::vector<Pose>& poses,
-                    const std::vector<uint32_t>& order, size_t begin, size_t end,
-                    std::vector<PoseScore>* scores) {
+                    const std::vector<Pose>& poses, const std::vector<uint32_t>& order,
+                    size_t begin, size_t end, std::vector<PoseScore>* scores) {
   const ViewCone cone = coneOf(max_view_angle, poses, order, begin, end);
   KernelBlock block;
   const Eigen::Vector3f origin = near_cameras.cast<float>();
@@ -224,9 +222,8 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
       set = std::make_shared<VisibleSet>(visibility_->exact(camera_poses[first].translation()));
     else
       set = visibility_->cached(cells[first]);
-    evaluated[r] =
-        scoreRange(frame, *set, visibility_->cellCentre(cells[first]), max_view_angle, camera_poses, order, ranges[r].begin,
-                              ranges[r].end, &scores);
+    evaluated[r] = scoreRange(frame, *set, visibility_->cellCentre(cells[first]), max_view_angle,
+                              camera_poses, order, ranges[r].begin, ranges[r].end, &scores);
   });
   last_evaluated_samples_ = std::accumulate(evaluated.begin(), evaluated.end(), uint64_t{0});
   return scores;
@@ -241,8 +238,7 @@ std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, cons
   std::iota(order.begin(), order.end(), 0u);
   for (size_t i = 0; i < order.size(); i += kBlockParticles)
     scoreRange(frame, set, camera_poses.front().translation(), frame.camera.maxViewAngle(),
-               camera_poses, order, i,
-               std::min(i + kBlockParticles, order.size()), &scores);
+               camera_poses, order, i, std::min(i + kBlockParticles, order.size()), &scores);
   return scores;
 }
 

@@ -56,17 +56,16 @@ HWY_INLINE Distorted distort(D d, V x, V y, V r2, const KernelCamera& camera) {
     const V r = hn::Sqrt(r2_safe);
     const V theta = hn::Atan(d, r);
     const V t2 = hn::Mul(theta, theta);
-    const V poly = hn::MulAdd(
-        t2, hn::MulAdd(t2, hn::MulAdd(t2, hn::MulAdd(t2, k(3), k(2)), k(1)), k(0)), one);
-    const V slope = hn::MulAdd(
-        t2,
-        hn::MulAdd(t2,
-                   hn::MulAdd(t2,
-                              hn::MulAdd(t2, hn::Mul(hn::Set(d, 9.0f), k(3)),
-                                         hn::Mul(hn::Set(d, 7.0f), k(2))),
-                              hn::Mul(hn::Set(d, 5.0f), k(1))),
-                   hn::Mul(hn::Set(d, 3.0f), k(0))),
-        one);
+    const V poly =
+        hn::MulAdd(t2, hn::MulAdd(t2, hn::MulAdd(t2, hn::MulAdd(t2, k(3), k(2)), k(1)), k(0)), one);
+    const V slope = hn::MulAdd(t2,
+                               hn::MulAdd(t2,
+                                          hn::MulAdd(t2,
+                                                     hn::MulAdd(t2, hn::Mul(hn::Set(d, 9.0f), k(3)),
+                                                                hn::Mul(hn::Set(d, 7.0f), k(2))),
+                                                     hn::Mul(hn::Set(d, 5.0f), k(1))),
+                                          hn::Mul(hn::Set(d, 3.0f), k(0))),
+                               one);
     const V scale = hn::Div(hn::Mul(theta, poly), r);
     const V radial = hn::Div(slope, hn::Add(one, r2));
     const V s = hn::Div(hn::Sub(radial, scale), r2_safe);
@@ -78,12 +77,12 @@ HWY_INLINE Distorted distort(D d, V x, V y, V r2, const KernelCamera& camera) {
     return out;
   }
   V num = hn::MulAdd(r2, hn::MulAdd(r2, hn::MulAdd(r2, k(4), k(1)), k(0)), one);
-  V num_d = hn::MulAdd(
-      r2, hn::MulAdd(r2, hn::Mul(hn::Set(d, 3.0f), k(4)), hn::Mul(two, k(1))), k(0));
+  V num_d =
+      hn::MulAdd(r2, hn::MulAdd(r2, hn::Mul(hn::Set(d, 3.0f), k(4)), hn::Mul(two, k(1))), k(0));
   if constexpr (kModel == static_cast<int>(DistortionModel::kRationalPolynomial)) {
     const V den = hn::MulAdd(r2, hn::MulAdd(r2, hn::MulAdd(r2, k(7), k(6)), k(5)), one);
-    const V den_d = hn::MulAdd(
-        r2, hn::MulAdd(r2, hn::Mul(hn::Set(d, 3.0f), k(7)), hn::Mul(two, k(6))), k(5));
+    const V den_d =
+        hn::MulAdd(r2, hn::MulAdd(r2, hn::Mul(hn::Set(d, 3.0f), k(7)), hn::Mul(two, k(6))), k(5));
     const V inverse = hn::Div(one, den);
     num_d = hn::Mul(hn::Sub(hn::Mul(num_d, den), hn::Mul(num, den_d)), hn::Mul(inverse, inverse));
     num = hn::Mul(num, inverse);
@@ -93,11 +92,11 @@ HWY_INLINE Distorted distort(D d, V x, V y, V r2, const KernelCamera& camera) {
   out.x = hn::MulAdd(x, num, hn::MulAdd(two_p1, xy, hn::Mul(p2, hn::MulAdd(two, xx, r2))));
   out.y = hn::MulAdd(y, num, hn::MulAdd(p1, hn::MulAdd(two, yy, r2), hn::Mul(two_p2, xy)));
   const V two_d = hn::Mul(two, num_d);
-  out.j00 = hn::MulAdd(two_d, xx,
-                       hn::Add(num, hn::MulAdd(two_p1, y, hn::Mul(six, hn::Mul(p2, x)))));
+  out.j00 =
+      hn::MulAdd(two_d, xx, hn::Add(num, hn::MulAdd(two_p1, y, hn::Mul(six, hn::Mul(p2, x)))));
   out.j01 = hn::MulAdd(two_d, xy, hn::MulAdd(two_p1, x, hn::Mul(two_p2, y)));
-  out.j11 = hn::MulAdd(two_d, yy,
-                       hn::Add(num, hn::MulAdd(two_p2, x, hn::Mul(six, hn::Mul(p1, y)))));
+  out.j11 =
+      hn::MulAdd(two_d, yy, hn::Add(num, hn::MulAdd(two_p2, x, hn::Mul(six, hn::Mul(p1, y)))));
   return out;
 }
 
@@ -135,7 +134,8 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
   const V scale = hn::Set(d, table.scale), offset = hn::Set(d, table.offset);
   const VI max_x = hn::Set(di, table.width - 2), max_y = hn::Set(di, table.height - 2);
   const VI width = hn::Set(di, table.width), height = hn::Set(di, table.height);
-  const VI bins = hn::Set(di, table.bins), last_bin = hn::Set(di, table.bins - 1), izero = hn::Zero(di), ione = hn::Set(di, 1);
+  const VI bins = hn::Set(di, table.bins), last_bin = hn::Set(di, table.bins - 1),
+           izero = hn::Zero(di), ione = hn::Set(di, 1);
   const auto* words = reinterpret_cast<const int32_t*>(table.words);
 
   V group_score = zero, group_weight = zero;
@@ -150,14 +150,14 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
     const V segment_weight = hn::Set(d, segment.weight);
     for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
       const V px = hn::Set(d, block.x[i]), py = hn::Set(d, block.y[i]), pz = hn::Set(d, block.z[i]);
-      const V z = hn::MulAdd(pose[6], px,
-                             hn::MulAdd(pose[7], py, hn::MulAdd(pose[8], pz, pose[11])));
+      const V z =
+          hn::MulAdd(pose[6], px, hn::MulAdd(pose[7], py, hn::MulAdd(pose[8], pz, pose[11])));
       const auto in_front = hn::Gt(z, min_depth);
       if (hn::AllFalse(d, in_front)) continue;
-      const V cam_x = hn::MulAdd(pose[0], px,
-                                 hn::MulAdd(pose[1], py, hn::MulAdd(pose[2], pz, pose[9])));
-      const V cam_y = hn::MulAdd(pose[3], px,
-                                 hn::MulAdd(pose[4], py, hn::MulAdd(pose[5], pz, pose[10])));
+      const V cam_x =
+          hn::MulAdd(pose[0], px, hn::MulAdd(pose[1], py, hn::MulAdd(pose[2], pz, pose[9])));
+      const V cam_y =
+          hn::MulAdd(pose[3], px, hn::MulAdd(pose[4], py, hn::MulAdd(pose[5], pz, pose[10])));
       const V iz = reciprocal(d, hn::Max(z, min_depth));
       const V xn = hn::Mul(cam_x, iz), yn = hn::Mul(cam_y, iz);
       // Direction of the projected edge, up to a positive factor.
@@ -198,11 +198,13 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
       const V bin = hn::Mul(diamond, half_bins);
       const VI bin_floor = hn::ConvertTo(di, bin);
       const V bin_fraction = hn::Sub(bin, hn::ConvertTo(d, bin_floor));
-      const VI bin_a = hn::IfThenElse(hn::Gt(bin_floor, last_bin), hn::Sub(bin_floor, bins), bin_floor);
+      const VI bin_a =
+          hn::IfThenElse(hn::Gt(bin_floor, last_bin), hn::Sub(bin_floor, bins), bin_floor);
       const VI bin_next = hn::Add(bin_a, ione);
       const VI bin_b = hn::IfThenElse(hn::Gt(bin_next, last_bin), izero, bin_next);
 
-      const V u_safe = hn::Max(zero, hn::Min(u, last_x)), v_safe = hn::Max(zero, hn::Min(v, last_y));
+      const V u_safe = hn::Max(zero, hn::Min(u, last_x)),
+              v_safe = hn::Max(zero, hn::Min(v, last_y));
       const VI ix = hn::Min(hn::ConvertTo(di, u_safe), max_x);
       const VI iy = hn::Min(hn::ConvertTo(di, v_safe), max_y);
       const V frac_x = hn::Sub(u_safe, hn::ConvertTo(d, ix));
@@ -212,8 +214,8 @@ void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera&
       const VU word_a = hn::BitCast(du, hn::GatherIndex(di, words, at_a));
       const VU word_b = hn::BitCast(du, hn::GatherIndex(di, words, at_b));
       // A word of zero marks ignored pixels, the same in every bin.
-      weight = hn::IfThenZeroElse(
-          hn::RebindMask(d, hn::Eq(hn::BitCast(di, word_a), izero)), weight);
+      weight =
+          hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(hn::BitCast(di, word_a), izero)), weight);
       const V value_a = bilinear(d, word_a, frac_x, frac_y);
       const V value_b = bilinear(d, word_b, frac_x, frac_y);
       const V value = hn::MulAdd(bin_fraction, hn::Sub(value_b, value_a), value_a);

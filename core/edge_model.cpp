@@ -14,8 +14,8 @@ const char* edgeKindName(EdgeKind kind) {
 }
 
 size_t EdgeModel::countOf(EdgeKind kind) const {
-  return static_cast<size_t>(std::count_if(lines.begin(), lines.end(),
-                                           [&](const EdgeLine& l) { return l.kind == kind; }));
+  return static_cast<size_t>(
+      std::count_if(lines.begin(), lines.end(), [&](const EdgeLine& l) { return l.kind == kind; }));
 }
 
 namespace {
@@ -83,7 +83,7 @@ Eigen::Vector3f intoFace(const MeshModel& mesh, uint32_t triangle, const EdgeLin
 
 struct FoundEdges {
   std::vector<EdgeLine> features;
-  std::vector<EdgeLine> contours;        // candidates
+  std::vector<EdgeLine> contours;          // candidates
   std::vector<uint32_t> contour_triangle;  // one adjacent triangle each
 };
 
@@ -158,8 +158,8 @@ void sampleLines(EdgeModel* model) {
   size_t total = 0;
   for (EdgeLine& line : model->lines) {
     line.first_sample = static_cast<uint32_t>(total);
-    line.sample_count = static_cast<uint32_t>(
-        std::max(1.0, std::round(line.length() / model->sample_step)));
+    line.sample_count =
+        static_cast<uint32_t>(std::max(1.0, std::round(line.length() / model->sample_step)));
     total += line.sample_count;
   }
   model->sample_position.reserve(total);
@@ -180,8 +180,7 @@ void appendContours(FoundEdges found, Patches* patches, EdgeModel* model) {
   std::vector<uint32_t> order(found.contours.size());
   std::iota(order.begin(), order.end(), uint32_t{0});
   std::vector<uint32_t> patch(found.contours.size());
-  for (uint32_t i = 0; i < order.size(); ++i)
-    patch[i] = patches->find(found.contour_triangle[i]);
+  for (uint32_t i = 0; i < order.size(); ++i) patch[i] = patches->find(found.contour_triangle[i]);
   const auto isLong = [&](uint32_t i) { return found.contours[i].length() >= long_enough; };
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     if (isLong(a) != isLong(b)) return isLong(a);
@@ -190,8 +189,8 @@ void appendContours(FoundEdges found, Patches* patches, EdgeModel* model) {
   });
   for (size_t k = 0; k < order.size(); ++k) {
     const uint32_t i = order[k];
-    const bool same_patch = k > 0 && !isLong(i) && !isLong(order[k - 1]) &&
-                            patch[order[k - 1]] == patch[i];
+    const bool same_patch =
+        k > 0 && !isLong(i) && !isLong(order[k - 1]) && patch[order[k - 1]] == patch[i];
     if (!same_patch) ++model->group_count;
     found.contours[i].group = model->group_count - 1;
     model->lines.push_back(found.contours[i]);

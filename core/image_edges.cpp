@@ -43,8 +43,8 @@ double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
   constexpr double kLeast = 24;  // about one and a half grey levels across an edge
   if (magnitudes.empty()) return kLeast;
   const auto quantile = [&](double q) {
-    const auto nth = magnitudes.begin() +
-                     static_cast<long>(q * static_cast<double>(magnitudes.size() - 1));
+    const auto nth =
+        magnitudes.begin() + static_cast<long>(q * static_cast<double>(magnitudes.size() - 1));
     std::nth_element(magnitudes.begin(), nth, magnitudes.end());
     return static_cast<double>(*nth);
   };
@@ -83,8 +83,7 @@ cv::Mat toGrey(const cv::Mat& image, const std::string& origin) {
   if (image.empty()) throw InputError(origin + ": the image is empty");
   cv::Mat eight = image;
   if (image.depth() == CV_16U) image.convertTo(eight, CV_8U, 1.0 / 256);
-  if (eight.depth() != CV_8U)
-    throw InputError(origin + ": only 8- and 16-bit images can be used");
+  if (eight.depth() != CV_8U) throw InputError(origin + ": only 8- and 16-bit images can be used");
   if (eight.channels() == 1) return eight.isContinuous() ? eight : eight.clone();
   cv::Mat grey;
   if (eight.channels() == 3)

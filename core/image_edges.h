@@ -11,11 +11,11 @@ namespace edge_mcl {
 
 /// Edges of one image: a thin 8-connected map and the gradient that gives their direction.
 struct EdgeImage {
-  cv::Mat grey;        ///< CV_8U, as received
-  cv::Mat edges;       ///< CV_8U, 255 on an edge; never inside the ignore mask
-  cv::Mat gradient_x;  ///< CV_16S, Scharr
-  cv::Mat gradient_y;  ///< CV_16S
-  cv::Mat ignore;      ///< CV_8U, 255 = ignored, dilated; empty without a mask
+  cv::Mat grey;                 ///< CV_8U, as received
+  cv::Mat edges;                ///< CV_8U, 255 on an edge; never inside the ignore mask
+  cv::Mat gradient_x;           ///< CV_16S, Scharr
+  cv::Mat gradient_y;           ///< CV_16S
+  cv::Mat ignore;               ///< CV_8U, 255 = ignored, dilated; empty without a mask
   double strong_threshold = 0;  ///< gradient magnitude from which an edge starts
 
   int width() const { return grey.cols; }

@@ -83,8 +83,7 @@ void appendUnion(std::vector<Interval>* intervals, const InfiniteLine& line,
     }
     EdgeLine joined = pieces[longest];
     if (j > i + 1) {
-      joined.start =
-          (centre + line.foot + line.direction * (*intervals)[i].from).cast<float>();
+      joined.start = (centre + line.foot + line.direction * (*intervals)[i].from).cast<float>();
       joined.end = (centre + line.foot + line.direction * to).cast<float>();
     }
     merged->push_back(joined);
@@ -142,8 +141,7 @@ size_t mergeCollinear(std::vector<EdgeLine>* lines, double tolerance) {
         merged.push_back((*lines)[j]);
         continue;
       }
-      const double a =
-          infinite[longest].direction.dot((*lines)[j].start.cast<double>() - centre);
+      const double a = infinite[longest].direction.dot((*lines)[j].start.cast<double>() - centre);
       const double b = infinite[longest].direction.dot((*lines)[j].end.cast<double>() - centre);
       intervals.push_back({std::min(a, b), std::max(a, b), j});
     }

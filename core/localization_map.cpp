@@ -13,8 +13,9 @@ LocalizationMap::LocalizationMap(const std::string& model_file, const Parameters
   mesh_ = std::make_unique<MeshModel>(loadMesh(model_file, params_.map));
   build();
   if (edges_->lines.empty())
-    throw InputError(model_file +
-                     ": no feature edge in it (map.crease_angle_deg, map.boundaries, map.contours)");
+    throw InputError(
+        model_file +
+        ": no feature edge in it (map.crease_angle_deg, map.boundaries, map.contours)");
 }
 
 LocalizationMap::LocalizationMap(MeshModel mesh, const Parameters& params) : params_(params) {
@@ -77,8 +78,7 @@ RefinementResult LocalizationMap::refine(const std::vector<CameraView>& views, c
   for (const CameraView& view : views) {
     const Eigen::Vector3d eye = (start * view.T_base_camera).translation();
     refinement_views.push_back({&view.image->frame.camera, &view.image->edges,
-                                visibility_->cached(visibility_->cellOf(eye)),
-                                view.T_base_camera});
+                                visibility_->cached(visibility_->cellOf(eye)), view.T_base_camera});
   }
   return refiner_->refine(refinement_views, start, prior);
 }

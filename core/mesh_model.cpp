@@ -72,8 +72,7 @@ std::vector<Index> weldMap(const std::vector<Eigen::Vector3f>& vertices, double 
     representative[i] = found;
     if (found == i) grid.emplace(home, i);
   }
-  for (Index i = 0; i < vertices.size(); ++i)
-    representative[i] = representative[representative[i]];
+  for (Index i = 0; i < vertices.size(); ++i) representative[i] = representative[representative[i]];
   return representative;
 }
 
@@ -120,8 +119,7 @@ MeshModel weldMesh(MeshSoup soup, double weld_tolerance, const std::string& orig
     for (int k = 0; k < 3; ++k) key[k] = representative[soup.triangles[t][k]];
     const auto &a = soup.vertices[key[0]], &b = soup.vertices[key[1]], &c = soup.vertices[key[2]];
     const double area2 = (b - a).cast<double>().cross((c - a).cast<double>()).norm();
-    const double longest =
-        std::max({(b - a).norm(), (c - b).norm(), (a - c).norm(), 1e-30f});
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm(), 1e-30f});
     // A sliver whose height is below the weld tolerance has no usable normal.
     if (key[0] == key[1] || key[1] == key[2] || key[2] == key[0] ||
         area2 / longest <= std::max(weld_tolerance, 1e-9)) {

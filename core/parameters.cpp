@@ -73,9 +73,8 @@ void forEach(Parameters& parameters, F&& f) {
 std::vector<std::string> allNames() {
   Parameters defaults;
   std::vector<std::string> names;
-  forEach(defaults, [&](const std::string& name, auto&, const char*, const char*) {
-    names.push_back(name);
-  });
+  forEach(defaults,
+          [&](const std::string& name, auto&, const char*, const char*) { names.push_back(name); });
   return names;
 }
 
@@ -92,8 +91,8 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
       row[0] = i;
       for (size_t j = 1; j <= candidate.size(); ++j) {
         const size_t above = row[j];
-        row[j] = std::min({above + 1, row[j - 1] + 1,
-                           diagonal + (name[i - 1] == candidate[j - 1] ? 0u : 1u)});
+        row[j] = std::min(
+            {above + 1, row[j - 1] + 1, diagonal + (name[i - 1] == candidate[j - 1] ? 0u : 1u)});
         diagonal = above;
       }
     }
@@ -187,8 +186,8 @@ void Parameters::validate() const {
   std::string faults;
   const auto require = [&](bool good, const char* name, const char* rule) {
     if (good) return;
-    faults += std::string(faults.empty() ? "" : "; ") + name + " = " + get(name) + " must be " +
-              rule;
+    faults +=
+        std::string(faults.empty() ? "" : "; ") + name + " = " + get(name) + " must be " + rule;
   };
   const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
   const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };

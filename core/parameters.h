@@ -53,7 +53,8 @@ struct VisibilityParameters {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("cell_size", cell_size, "m", "camera positions in one cell share the visible set; 0 = automatic");
+    v("cell_size", cell_size, "m",
+      "camera positions in one cell share the visible set; 0 = automatic");
     v("cache_cells", cache_cells, "", "cells kept before the least recently used one is dropped");
     v("occlusion_tolerance", occlusion_tolerance, "m",
       "a surface this close to a sample does not hide it; 0 = automatic");
@@ -181,8 +182,7 @@ struct FilterParameters {
       "odometry: position noise by distance");
     v("odometry_noise_per_radian", odometry_noise_per_radian, "rad/rad",
       "odometry: rotation noise by angle");
-    v("walk_position_rate", walk_position_rate, "m/sqrt(s)",
-      "without odometry: position noise");
+    v("walk_position_rate", walk_position_rate, "m/sqrt(s)", "without odometry: position noise");
     v("walk_angle_rate_deg", walk_angle_rate_deg, "deg/sqrt(s)",
       "without odometry: rotation noise");
     v("walk_acceleration", walk_acceleration, "m/s^2",

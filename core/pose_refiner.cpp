@@ -61,8 +61,7 @@ PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
   // The camera moves with the base: xi_camera = Ad(T_camera_base) xi_base.
   const Matrix6 to_base = adjoint(view.T_base_camera.inverse());
   Matrix6 camera_covariance = Matrix6::Zero();
-  if (prior_covariance)
-    camera_covariance = to_base * *prior_covariance * to_base.transpose();
+  if (prior_covariance) camera_covariance = to_base * *prior_covariance * to_base.transpose();
   const double tolerance_cos = std::cos(image_.orientation_tolerance_deg * M_PI / 180);
   const double e = likelihood_.missing_edge;
   const double clutter_density = e / (2 * search_length);
@@ -96,8 +95,7 @@ PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
       ++line.matched;
       const double residual = normal.dot(image.subPixel(hit.x, hit.y) - pixel);
       const double inlier = peak * std::exp(-residual * residual / (2 * sigma * sigma));
-      const double weight =
-          segment.facing * inlier / (inlier + clutter_density) / (sigma * sigma);
+      const double weight = segment.facing * inlier / (inlier + clutter_density) / (sigma * sigma);
       line.h.noalias() += weight * row * row.transpose();
       line.g += weight * residual * row;
     }
@@ -121,7 +119,8 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
   result.pose = start;
   Matrix6 prior_information = Matrix6::Zero();
   if (prior)
-    prior_information = (prior->covariance + 1e-12 * Matrix6::Identity()).ldlt().solve(Matrix6::Identity());
+    prior_information =
+        (prior->covariance + 1e-12 * Matrix6::Identity()).ldlt().solve(Matrix6::Identity());
   Matrix6 information = Matrix6::Identity();
   const int steps = refinement_.iterations;
   for (int step = 0; step < steps; ++step) {
@@ -132,8 +131,8 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
     const double sigma = std::max(refinement_.sigma, length / 4);
     NormalEquations n;
     for (const RefinementView& view : views) {
-      const NormalEquations of_view = linearize(
-          view, result.pose, length, sigma, prior ? &prior->covariance : nullptr);
+      const NormalEquations of_view =
+          linearize(view, result.pose, length, sigma, prior ? &prior->covariance : nullptr);
       n.h += of_view.h;
       n.g += of_view.g;
       n.matched += of_view.matched;

@@ -46,9 +46,8 @@ class PoseRefiner {
 
  private:
   struct NormalEquations;
-  NormalEquations linearize(const RefinementView& view, const Pose& base_pose,
-                            double search_length, double sigma,
-                            const Matrix6* prior_covariance) const;
+  NormalEquations linearize(const RefinementView& view, const Pose& base_pose, double search_length,
+                            double sigma, const Matrix6* prior_covariance) const;
   RefinementParameters refinement_;
   LikelihoodParameters likelihood_;
   ImageParameters image_;

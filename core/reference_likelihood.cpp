@@ -24,14 +24,14 @@ ProjectedSample projectSample(const LikelihoodFrame& frame, const Pose& camera_f
   if (!frame.camera.project(p, &out.pixel, &jacobian)) return out;
   if (!frame.camera.contains(out.pixel)) return out;
   out.direction = jacobian * t;
-  const double border = std::min({out.pixel.x(), out.pixel.y(),
-                                  frame.camera.width - 1 - out.pixel.x(),
-                                  frame.camera.height - 1 - out.pixel.y()});
+  const double border =
+      std::min({out.pixel.x(), out.pixel.y(), frame.camera.width - 1 - out.pixel.x(),
+                frame.camera.height - 1 - out.pixel.y()});
   const double fade =
       frame.params.border_fade > 0 ? std::min(1.0, border / frame.params.border_fade) : 1.0;
   // Length of the projected unit tangent in normalised coordinates.
-  const double length = std::abs(out.direction.x() / frame.camera.fx) +
-                        std::abs(out.direction.y() / frame.camera.fy);
+  const double length =
+      std::abs(out.direction.x() / frame.camera.fx) + std::abs(out.direction.y() / frame.camera.fy);
   const double by_depth = frame.params.model == LikelihoodModel::kPaper ? p.z() : 1;
   out.weight = fade * std::min(1.0, spacingScale(frame) * length * by_depth);
   out.valid = true;
@@ -121,9 +121,9 @@ PoseScore paperFlowScore(const LikelihoodFrame& frame, const EdgeImage& image,
     const NormalHit hit =
         searchAlongNormal(image, s.pixel, Eigen::Vector2d(-direction.y(), direction.x()),
                           image_params.search_length, tolerance);
-    *score = sampleScore(frame.params,
-                         hit.found ? std::abs(hit.distance) : std::numeric_limits<double>::infinity(),
-                         0.02, image_params.search_length);
+    *score = sampleScore(
+        frame.params, hit.found ? std::abs(hit.distance) : std::numeric_limits<double>::infinity(),
+        0.02, image_params.search_length);
     return true;
   });
 }

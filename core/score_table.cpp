@@ -42,8 +42,7 @@ double sampleScore(const LikelihoodParameters& params, double distance, double c
     return std::isinf(distance)
                ? 0
                : std::exp(-distance * distance / (2 * params.sigma * params.sigma));
-  return logRatio(params, distance, clutter) -
-         meanLogRatioByChance(params, clutter, search_length);
+  return logRatio(params, distance, clutter) - meanLogRatioByChance(params, clutter, search_length);
 }
 
 namespace {
@@ -81,10 +80,9 @@ ScoreTable::ScoreTable(const EdgeField& field, const LikelihoodParameters& param
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (int level = 0; level < levels; ++level) {
     const double density = densityOfLevel(level);
-    const double by_chance =
-        params.model == LikelihoodModel::kPaper
-            ? 0
-            : meanLogRatioByChance(params, density, field.searchLength());
+    const double by_chance = params.model == LikelihoodModel::kPaper
+                                 ? 0
+                                 : meanLogRatioByChance(params, density, field.searchLength());
     for (int b = 0; b < bins_; ++b)
       for (int s = 0; s <= field.noEdge(b); ++s) {
         const double d = s == field.noEdge(b) ? std::numeric_limits<double>::infinity()

@@ -35,7 +35,8 @@ Pose poseFromList(const std::vector<double>& v, const std::string& where) {
   for (double x : v)
     if (!std::isfinite(x)) throw InputError(where + " has a number that is not finite");
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
-  if (std::abs(q.norm() - 1) > 0.01) throw InputError(where + ": the quaternion has no unit length");
+  if (std::abs(q.norm() - 1) > 0.01)
+    throw InputError(where + ": the quaternion has no unit length");
   Pose pose = Pose::Identity();
   pose.linear() = q.normalized().toRotationMatrix();
   pose.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
@@ -83,7 +84,8 @@ Sequence readSequence(const std::string& directory) {
   std::stable_sort(masks.begin(), masks.end(),
                    [](const StampedFile& a, const StampedFile& b) { return a.time < b.time; });
   Trajectory odometry, truth;
-  if (fs::exists(inside("odometry.txt"), ignored)) odometry = readTrajectory(inside("odometry.txt"));
+  if (fs::exists(inside("odometry.txt"), ignored))
+    odometry = readTrajectory(inside("odometry.txt"));
   if (fs::exists(inside("groundtruth.txt"), ignored))
     truth = readTrajectory(inside("groundtruth.txt"));
   sequence.has_odometry = !odometry.empty();

@@ -16,8 +16,8 @@ struct SequenceFrame {
   double time = 0;        ///< seconds
   std::string time_text;  ///< as in rgb.txt
   std::string image_file;
-  std::string mask_file;            ///< empty: none
-  std::optional<Pose> odometry;     ///< T_odom_camera
+  std::string mask_file;             ///< empty: none
+  std::optional<Pose> odometry;      ///< T_odom_camera
   std::optional<Pose> ground_truth;  ///< T_map_camera
 };
 
@@ -25,7 +25,7 @@ struct SequenceFrame {
 struct Sequence {
   std::string directory, name;
   CameraModel camera;
-  std::string model_file;  ///< empty when the directory holds none
+  std::string model_file;                ///< empty when the directory holds none
   Pose initial_pose = Pose::Identity();  ///< T_map_camera
   double initial_std_position = 0.1;     ///< m, per axis
   double initial_std_angle = 0.05;       ///< rad, per axis

@@ -46,12 +46,12 @@ Trajectory readTrajectory(const std::string& file) {
   Trajectory trajectory;
   forEachLine(file, [&](int number, const std::vector<std::string>& fields) {
     const std::string where = file + ":" + std::to_string(number);
-    if (fields.size() < 8)
-      throw InputError(where + ": 'timestamp tx ty tz qx qy qz qw' expected");
+    if (fields.size() < 8) throw InputError(where + ": 'timestamp tx ty tz qx qy qz qw' expected");
     double v[8];
     for (int i = 0; i < 8; ++i) v[i] = parseFinite(fields[i], where);
     const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
-    if (std::abs(q.norm() - 1) > 0.01) throw InputError(where + ": the quaternion has no unit length");
+    if (std::abs(q.norm() - 1) > 0.01)
+      throw InputError(where + ": the quaternion has no unit length");
     if (!trajectory.empty() && v[0] <= trajectory.back().time)
       throw InputError(where + ": time does not increase");
     StampedPose entry;

@@ -10,8 +10,8 @@ namespace edge_mcl {
 
 /// A pose with its time.
 struct StampedPose {
-  double time = 0;           ///< seconds
-  std::string time_text;     ///< as written in the file, so that output carries the same digits
+  double time = 0;        ///< seconds
+  std::string time_text;  ///< as written in the file, so that output carries the same digits
   Pose pose = Pose::Identity();
 };
 using Trajectory = std::vector<StampedPose>;

@@ -125,8 +125,7 @@ void appendSegments(const EdgeLine& line, uint32_t line_index, const Eigen::Vect
   for (size_t i = first; i < set->position.size(); i += kSegmentSamples) {
     VisibleSet::Segment segment;
     segment.first = static_cast<uint32_t>(i);
-    segment.count =
-        static_cast<uint32_t>(std::min(kSegmentSamples, set->position.size() - i));
+    segment.count = static_cast<uint32_t>(std::min(kSegmentSamples, set->position.size() - i));
     segment.tangent = line.tangent();
     segment.line = line_index;
     const Eigen::Vector3f& a = set->position[i];

@@ -179,8 +179,8 @@ std::optional<CameraView> CEdgeMap::view(const mrpt::obs::CObservation& obs) con
   const uint64_t key = keyOf(obs, pixels, mask);
   std::lock_guard<std::mutex> lock(cache_->mutex);
   if (!cache_->image || cache_->key != key) {
-    cache_->image = localization().prepare(toCameraModel(*source->camera, origin), pixels, mask,
-                                           origin);
+    cache_->image =
+        localization().prepare(toCameraModel(*source->camera, origin), pixels, mask, origin);
     cache_->key = key;
   }
   return CameraView{cache_->image, source->T_base_camera};
@@ -205,8 +205,8 @@ bool CEdgeMap::internal_canComputeObservationLikelihood(const mrpt::obs::CObserv
   return map_ && imageOf(obs).has_value();
 }
 
-bool CEdgeMap::internal_insertObservation(
-    const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&) {
+bool CEdgeMap::internal_insertObservation(const mrpt::obs::CObservation&,
+                                          const std::optional<const mrpt::poses::CPose3D>&) {
   return false;  // the model is given, nothing is learnt
 }
 
@@ -233,8 +233,8 @@ void CEdgeMap::getVisualizationInto(mrpt::opengl::CSetOfObjects& out) const {
   lines->setLineWidth(1.5f);
   for (const EdgeLine& line : map_->edges().lines)
     if (line.kind != EdgeKind::kContour)
-      lines->appendLine(line.start.x(), line.start.y(), line.start.z(), line.end.x(),
-                        line.end.y(), line.end.z());
+      lines->appendLine(line.start.x(), line.start.y(), line.start.z(), line.end.x(), line.end.y(),
+                        line.end.z());
   out.insert(lines);
 }
 

@@ -64,8 +64,8 @@ class CEdgeMap : public mrpt::maps::CMetricMap {
   bool internal_insertObservation(
       const mrpt::obs::CObservation& obs,
       const std::optional<const mrpt::poses::CPose3D>& robot_pose) override;
-  double internal_computeObservationLikelihood(const mrpt::obs::CObservation& obs,
-                                               const mrpt::poses::CPose3D& taken_from) const override;
+  double internal_computeObservationLikelihood(
+      const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& taken_from) const override;
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
 
   std::string model_file_;

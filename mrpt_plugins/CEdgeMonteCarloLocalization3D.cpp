@@ -68,8 +68,8 @@ void CEdgeMonteCarloLocalization3D::prediction_and_update_pfStandardProposal(
   if (movement_3d)
     filter_.predictWithOdometry(toPose(movement_3d->poseChange.mean), dt);
   else if (movement_2d)
-    filter_.predictWithOdometry(
-        toPose(mrpt::poses::CPose3D(movement_2d->poseChange->getMeanVal())), dt);
+    filter_.predictWithOdometry(toPose(mrpt::poses::CPose3D(movement_2d->poseChange->getMeanVal())),
+                                dt);
   else if (dt > 0)
     filter_.predictWithoutOdometry(dt);
 

@@ -58,15 +58,13 @@ double PredictiveDensity::log(const Pose& pose) const {
 }
 
 const PoseGaussian& PredictiveDensity::componentOf(const Pose& pose) const {
-  return log_core_share_ + core_.log(pose) >= log_tail_share_ + tail_.log(pose)
-             ? core_.gaussian()
-             : tail_.gaussian();
+  return log_core_share_ + core_.log(pose) >= log_tail_share_ + tail_.log(pose) ? core_.gaussian()
+                                                                                : tail_.gaussian();
 }
 
 ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraView>& views,
-                           const std::vector<Pose>& predicted,
-                           const std::vector<PoseScore>& scores, const PredictiveDensity& predictive,
-                           int starts) {
+                           const std::vector<Pose>& predicted, const std::vector<PoseScore>& scores,
+                           const PredictiveDensity& predictive, int starts) {
   std::vector<uint32_t> order(predicted.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
@@ -74,8 +72,7 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
   });
   // The best particles, but no two within half a standard deviation of the predicted cloud; the
   // centre of the cloud always.
-  const Matrix6 information =
-      predictive.core().covariance.ldlt().solve(Matrix6::Identity());
+  const Matrix6 information = predictive.core().covariance.ldlt().solve(Matrix6::Identity());
   std::vector<Pose> chosen{predictive.core().mean};
   const size_t looked_at = std::max<size_t>(order.size() / 2, 1);
   for (size_t k = 0; k < looked_at && chosen.size() < static_cast<size_t>(starts); ++k) {
@@ -103,8 +100,8 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
   std::stable_sort(by_posterior.begin(), by_posterior.end(),
                    [&](size_t a, size_t b) { return posterior[a] > posterior[b]; });
 
-  constexpr double kNegligible = 10;     // nats below the best mode
-  constexpr double kWider = 3;           // heavier than the estimated covariance: safer weights
+  constexpr double kNegligible = 10;  // nats below the best mode
+  constexpr double kWider = 3;        // heavier than the estimated covariance: safer weights
   for (size_t i : by_posterior) {
     const RefinementResult& r = refined[i];
     if (r.matched_samples < 6 || !r.covariance.allFinite()) continue;

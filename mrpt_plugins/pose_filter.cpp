@@ -113,8 +113,7 @@ void PoseFilter::predictWithoutOdometry(double dt) {
 
 void PoseFilter::trackVelocity() {
   if (last_estimate_ && since_last_estimate_ > 1e-6) {
-    const Twist newest =
-        logSe3(last_estimate_->inverse() * estimate_.mean) / since_last_estimate_;
+    const Twist newest = logSe3(last_estimate_->inverse() * estimate_.mean) / since_last_estimate_;
     velocity_ += params_.velocity_smoothing * (newest - velocity_);
   }
   last_estimate_ = estimate_.mean;
@@ -216,12 +215,10 @@ void PoseFilter::spreadCopies(const PoseGaussian& cloud) {
   // and state estimation in simulation-based filtering", 2001.
   constexpr double kBandwidth = 0.3;
   const double shrink = std::sqrt(1 - kBandwidth * kBandwidth);
-  const GaussianDensity kernel(
-      {Pose::Identity(), kBandwidth * kBandwidth * cloud.covariance});
+  const GaussianDensity kernel({Pose::Identity(), kBandwidth * kBandwidth * cloud.covariance});
   const Pose inverse = cloud.mean.inverse();
   for (Pose& pose : poses_)
-    pose = normalized(cloud.mean * expSe3(shrink * logSe3(inverse * pose)) *
-                      kernel.draw(&random_));
+    pose = normalized(cloud.mean * expSe3(shrink * logSe3(inverse * pose)) * kernel.draw(&random_));
 }
 
 void PoseFilter::sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
@@ -262,8 +259,7 @@ UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<Ca
     report.effective_sample_size = effectiveSampleSize(weights);
     estimate_ = meanAndCovariance(poses_, weights);
     const bool again = pass + 1 < params_.max_passes && report.tempering < 1 &&
-                       report.has_information &&
-                       spreadBeyondNormals(map, views, before.core());
+                       report.has_information && spreadBeyondNormals(map, views, before.core());
     if (!again) break;
     resampleIfNeeded();
     spreadCopies(estimate_);

@@ -19,12 +19,12 @@ struct UpdateReport {
   double tempering = 0;              ///< exponent that was put on the likelihood, all passes
   double visible_samples = 0;        ///< inside the image, at the estimate
   double visible_lines = 0;
-  double log_likelihood = 0;         ///< of the estimate
-  int matched_samples = 0;           ///< with an image edge within reach, at the estimate
+  double log_likelihood = 0;  ///< of the estimate
+  int matched_samples = 0;    ///< with an image edge within reach, at the estimate
   int used_samples = 0;
-  int refined_modes = 0;             ///< poses that particles were drawn around
-  int passes = 0;                    ///< how often the image was used, with exponents below one
-  bool has_information = false;      ///< false: nothing of the model in the images; only predicted
+  int refined_modes = 0;         ///< poses that particles were drawn around
+  int passes = 0;                ///< how often the image was used, with exponents below one
+  bool has_information = false;  ///< false: nothing of the model in the images; only predicted
   double likelihood_ms = 0, refinement_ms = 0, total_ms = 0;
 };
 
@@ -85,9 +85,9 @@ class PoseFilter {
   std::vector<double> log_weights_;
   PoseGaussian estimate_;
   std::optional<Pose> last_estimate_;
-  double since_last_estimate_ = 0;  // seconds
+  double since_last_estimate_ = 0;        // seconds
   Twist noise_variance_ = Twist::Zero();  // added by prediction since the last update
-  Twist velocity_ = Twist::Zero();  // base frame, per second
+  Twist velocity_ = Twist::Zero();        // base frame, per second
 };
 
 }  // namespace edge_mcl

@@ -50,8 +50,7 @@ mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const Se
   return actions;
 }
 
-mrpt::obs::CSensoryFrame::Ptr makeSensoryFrame(const Sequence& sequence,
-                                               const SequenceFrame& frame,
+mrpt::obs::CSensoryFrame::Ptr makeSensoryFrame(const Sequence& sequence, const SequenceFrame& frame,
                                                const Pose& T_base_camera, bool with_mask) {
   auto image = std::make_shared<CObservationMaskedImage>();
   image->timestamp = mrpt::Clock::fromDouble(frame.time);

@@ -20,8 +20,7 @@ mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const Se
 
 /// Image (grey), mask and ground truth (CObservationRobotPose 'ground_truth') of one frame.
 /// @throws InputError when the image or mask cannot be read.
-mrpt::obs::CSensoryFrame::Ptr makeSensoryFrame(const Sequence& sequence,
-                                               const SequenceFrame& frame,
+mrpt::obs::CSensoryFrame::Ptr makeSensoryFrame(const Sequence& sequence, const SequenceFrame& frame,
                                                const Pose& T_base_camera, bool with_mask);
 
 }  // namespace edge_mcl

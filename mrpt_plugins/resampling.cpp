@@ -13,7 +13,8 @@ std::vector<double> normalize(const std::vector<double>& log_weights) {
     return weights;
   }
   double sum = 0;
-  for (size_t i = 0; i < weights.size(); ++i) sum += weights[i] = std::exp(log_weights[i] - highest);
+  for (size_t i = 0; i < weights.size(); ++i)
+    sum += weights[i] = std::exp(log_weights[i] - highest);
   for (double& w : weights) w /= sum;
   return weights;
 }

@@ -41,9 +41,8 @@ FrameResult SequenceLocalizer::step() {
     cv::Mat mask;
     if (use_masks_ && !frame.mask_file.empty())
       mask = readImage(frame.mask_file, sequence_.camera, true);
-    result.reading_ms = std::chrono::duration<double, std::milli>(
-                            std::chrono::steady_clock::now() - start)
-                            .count();
+    result.reading_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     result.image = map_.prepare(sequence_.camera, image, mask, frame.image_file);
     result.image_times = result.image->times;
     result.report = filter_.update(map_, {{result.image, Pose::Identity()}});

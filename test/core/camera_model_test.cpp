@@ -59,11 +59,12 @@ TEST_P(Projection, JacobianAgreesWithDifferences) {
 
 INSTANTIATE_TEST_SUITE_P(
     Models, Projection,
-    testing::Values(std::make_pair("none", std::vector<double>{0, 0, 0, 0, 0}),
-                    std::make_pair("plumb_bob", std::vector<double>{-0.283, 0.074, 2e-4, 2e-5, 0}),
-                    std::make_pair("rational_polynomial",
-                                   std::vector<double>{0.2, -0.1, 1e-3, -5e-4, 0.01, 0.4, -0.05, 0.02}),
-                    std::make_pair("equidistant", std::vector<double>{0.02, -0.01, 0.003, -0.001})));
+    testing::Values(
+        std::make_pair("none", std::vector<double>{0, 0, 0, 0, 0}),
+        std::make_pair("plumb_bob", std::vector<double>{-0.283, 0.074, 2e-4, 2e-5, 0}),
+        std::make_pair("rational_polynomial",
+                       std::vector<double>{0.2, -0.1, 1e-3, -5e-4, 0.01, 0.4, -0.05, 0.02}),
+        std::make_pair("equidistant", std::vector<double>{0.02, -0.01, 0.003, -0.001})));
 
 TEST(CameraModel, PointsBeyondTheMonotonePartDoNotFoldBack) {
   const CameraModel camera = withDistortion("plumb_bob", {-0.3, 0, 0, 0, 0});
@@ -76,8 +77,9 @@ TEST(CameraModel, PointsBeyondTheMonotonePartDoNotFoldBack) {
 
 TEST(CameraModel, AMissingKeyIsNamed) {
   const std::string file = testing::TempDir() + "camera_missing_key.yaml";
-  std::ofstream(file) << "image_width: 640\nimage_height: 480\n"
-                         "camera_matrix: {rows: 3, cols: 3, data: [500, 0, 320, 0, 500, 240, 0, 0, 1]}\n";
+  std::ofstream(file)
+      << "image_width: 640\nimage_height: 480\n"
+         "camera_matrix: {rows: 3, cols: 3, data: [500, 0, 320, 0, 500, 240, 0, 0, 1]}\n";
   try {
     CameraModel::fromYamlFile(file);
     FAIL() << "no error";

@@ -108,8 +108,9 @@ TEST(EdgeModel, AColumnShowsTwoOutlinesFromEverySide) {
     for (const auto& o : outlines) {
       // Tangent lines of a circle of radius r from distance D touch it at cos = r / D, up to the
       // prism's half corner of 3.75 degrees.
-      const double cosine = Eigen::Vector2d(o.head<2>()).normalized().dot(
-          Eigen::Vector2d(eye.head<2>()).normalized());
+      const double cosine = Eigen::Vector2d(o.head<2>())
+                                .normalized()
+                                .dot(Eigen::Vector2d(eye.head<2>()).normalized());
       EXPECT_NEAR(std::acos(cosine), std::acos(0.1), 3.76 * M_PI / 180);
     }
   }

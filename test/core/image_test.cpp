@@ -25,7 +25,8 @@ cv::Mat disc(double contrast, double brightness, double noise, uint64_t seed) {
   cv::resize(big, image, cv::Size(kSize, kSize), 0, 0, cv::INTER_AREA);
   RandomSource random(seed);
   for (int y = 0; y < kSize; ++y)
-    for (int x = 0; x < kSize; ++x) image.at<float>(y, x) += static_cast<float>(noise * random.normal());
+    for (int x = 0; x < kSize; ++x)
+      image.at<float>(y, x) += static_cast<float>(noise * random.normal());
   image.convertTo(image, CV_8U);
   return image;
 }
@@ -38,9 +39,11 @@ TEST(ImageEdges, AreThinSubPixelExactAndDirected) {
     for (int x = 0; x < image.width(); ++x) {
       if (!image.edges.at<uint8_t>(y, x)) continue;
       ++count;
-      const Eigen::Vector2d radial = (Eigen::Vector2d(x, y) - Eigen::Vector2d(100, 100)).normalized();
+      const Eigen::Vector2d radial =
+          (Eigen::Vector2d(x, y) - Eigen::Vector2d(100, 100)).normalized();
       EXPECT_GT(std::abs(radial.dot(image.normalAt(x, y))), std::cos(4 * M_PI / 180));
-      worst = std::max(worst, std::abs((image.subPixel(x, y) - Eigen::Vector2d(100, 100)).norm() - 60));
+      worst =
+          std::max(worst, std::abs((image.subPixel(x, y) - Eigen::Vector2d(100, 100)).norm() - 60));
     }
   // Between an 8-connected (4 sqrt 2 r) and a 4-connected (8 r) circle: one pixel wide.
   EXPECT_GT(count, 5.6 * 60);
@@ -102,7 +105,8 @@ TEST(EdgeField, DiamondAngleIsAMonotoneStandInForTheAngle) {
     last = p;
     EXPECT_NEAR(diamondAngle(-std::cos(k * M_PI / 180), -std::sin(k * M_PI / 180)), p, 1e-12);
     const Eigen::Vector2d d = diamondDirection(p);
-    EXPECT_NEAR(std::abs(d.x() * std::sin(k * M_PI / 180) - d.y() * std::cos(k * M_PI / 180)), 0, 1e-9);
+    EXPECT_NEAR(std::abs(d.x() * std::sin(k * M_PI / 180) - d.y() * std::cos(k * M_PI / 180)), 0,
+                1e-9);
   }
 }
 
@@ -121,10 +125,12 @@ TEST(EdgeField, AgreesWithTheDirectSearch) {
   int good = 0, total = 0;
   for (int i = 0; i < 20000; ++i) {
     const int bin = static_cast<int>(random.uniform() * field.bins());
-    const int x = static_cast<int>(random.uniform() * 320), y = static_cast<int>(random.uniform() * 240);
+    const int x = static_cast<int>(random.uniform() * 320),
+              y = static_cast<int>(random.uniform() * 240);
     const Eigen::Vector2d direction = diamondDirection(2.0 * bin / field.bins());
-    const NormalHit hit = searchAlongNormal(image, Eigen::Vector2d(x, y),
-                                            {-direction.y(), direction.x()}, params.search_length, tolerance);
+    const NormalHit hit =
+        searchAlongNormal(image, Eigen::Vector2d(x, y), {-direction.y(), direction.x()},
+                          params.search_length, tolerance);
     const double table = field.distance(bin, x, y);
     ++total;
     if (!hit.found && std::isinf(table))

@@ -17,7 +17,8 @@ TEST(PoseRefiner, JacobianAgreesWithDifferences) {
   RandomSource random(21);
   for (int i = 0; i < 100; ++i) {
     const Pose pose = expSe3(random.normalTwist());
-    const Eigen::Vector3d in_camera(0.5 * random.normal(), 0.4 * random.normal(), 2 + random.uniform());
+    const Eigen::Vector3d in_camera(0.5 * random.normal(), 0.4 * random.normal(),
+                                    2 + random.uniform());
     const Eigen::Vector3d in_map = pose * in_camera;
     Eigen::Vector2d pixel, up, down;
     Eigen::Matrix<double, 2, 6> jacobian;
@@ -31,8 +32,8 @@ TEST(PoseRefiner, JacobianAgreesWithDifferences) {
   }
 }
 
-/// A rendered room, starts 3 cm and 1 degree off: refinement finds back to the truth. The picture is
-/// exact, so what remains is the edge detector's bias (blur at corners), a tenth of a pixel.
+/// A rendered room, starts 3 cm and 1 degree off: refinement finds back to the truth. The picture
+/// is exact, so what remains is the edge detector's bias (blur at corners), a tenth of a pixel.
 TEST(PoseRefiner, FindsBackToTheTruth) {
   const LocalizationMap map(test::furnishedRooms(), Parameters());
   const CameraModel camera = test::pinhole(480, 360, 370);

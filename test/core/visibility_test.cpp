@@ -39,8 +39,8 @@ TEST(Visibility, CachedAgreesWithExactRays) {
     };
     if (insideBox(0.3, 0.2, 0, 1.9, 1, 1.2) || insideBox(2.9, 4.2, 0, 3.8, 4.9, 1.9) ||
         insideBox(5, 3.5, 0, 7, 4.4, 0.45) || insideBox(5.6, 0.3, 0, 6.4, 1.1, 0.72) ||
-        insideBox(7.2, 1, 0, 7.8, 2.2, 1.4) || insideBox(3.95, 0, 0, 4.05, 5, 2.6) ||
-        p.x() < 0.2 || p.x() > 7.8 || p.y() < 0.2 || p.y() > 4.8 || p.z() < 0.2 || p.z() > 2.4)
+        insideBox(7.2, 1, 0, 7.8, 2.2, 1.4) || insideBox(3.95, 0, 0, 4.05, 5, 2.6) || p.x() < 0.2 ||
+        p.x() > 7.8 || p.y() < 0.2 || p.y() > 4.8 || p.z() < 0.2 || p.z() > 2.4)
       continue;
     ++poses;
     const auto keys = [](const VisibleSet& set) {
@@ -55,8 +55,10 @@ TEST(Visibility, CachedAgreesWithExactRays) {
     for (const auto& k : cached) differ += 1 - exact.count(k);
   }
   const double share = static_cast<double>(differ) / static_cast<double>(visible);
-  std::printf("cached visibility differs from exact rays for %.2f %% of the visible samples "
-              "(cell %.2f m)\n", 100 * share, visibility.cellSize());
+  std::printf(
+      "cached visibility differs from exact rays for %.2f %% of the visible samples "
+      "(cell %.2f m)\n",
+      100 * share, visibility.cellSize());
   RecordProperty("disagreement_percent", std::to_string(100 * share));
   EXPECT_LT(share, 0.02);
 }
@@ -76,7 +78,8 @@ TEST(Visibility, TheCacheIsBoundedAndServesManyThreads) {
     });
   for (auto& thread : threads) thread.join();
   for (int i = 0; i < 200; ++i)
-    EXPECT_EQ(sizes[i], visibility.exact(visibility.cellCentre({10 + i % 50 % 12, 10, 10})).position.size());
+    EXPECT_EQ(sizes[i],
+              visibility.exact(visibility.cellCentre({10 + i % 50 % 12, 10, 10})).position.size());
   EXPECT_LE(visibility.statistics().cells, 8u);
   EXPECT_GT(visibility.statistics().dropped, 0u);
 }

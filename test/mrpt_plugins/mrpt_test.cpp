@@ -92,7 +92,8 @@ TEST(Observation, SerializesWithItsMask) {
 mrpt::config::CConfigFileMemory iniFor(const std::string& extra) {
   return mrpt::config::CConfigFileMemory(
       "[MetricMap]\nedge_mcl::CEdgeMap_count = 1\n"
-      "[MetricMap_edge_mcl::CEdgeMap_00_creationOpts]\nmodel_file = " + roomFile() + "\n" + extra);
+      "[MetricMap_edge_mcl::CEdgeMap_00_creationOpts]\nmodel_file = " +
+      roomFile() + "\n" + extra);
 }
 
 TEST(EdgeMap, AnIniFileCreatesIt) {

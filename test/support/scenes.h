@@ -43,12 +43,12 @@ inline MeshModel furnishedRooms() {
   addBox(&soup, {3.95f, 0, 0}, {4.05f, 2, 2.6f});
   addBox(&soup, {3.95f, 3, 0}, {4.05f, 5, 2.6f});
   addBox(&soup, {3.95f, 2, 2.1f}, {4.05f, 3, 2.6f});
-  addBox(&soup, {0.3f, 0.2f, 0}, {1.9f, 1.0f, 0.75f});   // desk
+  addBox(&soup, {0.3f, 0.2f, 0}, {1.9f, 1.0f, 0.75f});     // desk
   addBox(&soup, {0.5f, 0.3f, 0.75f}, {1.1f, 0.4f, 1.2f});  // screen
-  addBox(&soup, {2.9f, 4.2f, 0}, {3.8f, 4.9f, 1.9f});    // cupboard
-  addBox(&soup, {5.0f, 3.5f, 0}, {7.0f, 4.4f, 0.45f});   // bed
-  addBox(&soup, {5.6f, 0.3f, 0}, {6.4f, 1.1f, 0.72f});   // table
-  addBox(&soup, {7.2f, 1.0f, 0}, {7.8f, 2.2f, 1.4f});    // shelf
+  addBox(&soup, {2.9f, 4.2f, 0}, {3.8f, 4.9f, 1.9f});      // cupboard
+  addBox(&soup, {5.0f, 3.5f, 0}, {7.0f, 4.4f, 0.45f});     // bed
+  addBox(&soup, {5.6f, 0.3f, 0}, {6.4f, 1.1f, 0.72f});     // table
+  addBox(&soup, {7.2f, 1.0f, 0}, {7.8f, 2.2f, 1.4f});      // shelf
   return weldMesh(std::move(soup), 1e-6, "furnished rooms");
 }
 
