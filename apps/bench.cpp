@@ -22,7 +22,7 @@ namespace {
 
 struct BenchOptions {
   std::string sequence, model;
-  size_t image = 0, plain_particles = 100;
+  size_t image = 0, plain_particles = 100, updates = 60;
   int repeats = 15;
   double spread_position = 0.05, spread_angle_deg = 2;
   bool json = false;
@@ -113,8 +113,8 @@ int run(const BenchOptions& o) {
     all.push_back(millisecondsOf([&] { map.backend().evaluate(image->frame, poses); }));
   }
   t.samples = map.backend().lastEvaluatedSamples();
-  withOneThread([&] { updates_one = wholeUpdates(map, sequence, 60); });
-  updates_all = wholeUpdates(map, sequence, 60);
+  withOneThread([&] { updates_one = wholeUpdates(map, sequence, o.updates); });
+  updates_all = wholeUpdates(map, sequence, o.updates);
 
   const double n = static_cast<double>(poses.size());
   t.plain = median(plain) * n / static_cast<double>(plain_count);
@@ -183,6 +183,7 @@ void addBench(CLI::App* app, Action* action) {
       ->check(CLI::Range(1, 10000));
   c->add_option("--plain-particles", o->plain_particles,
                 "particles timed with the plain flow (scaled up)");
+  c->add_option("--updates", o->updates, "images of which the whole update is timed");
   c->add_option("--spread-position", o->spread_position, "spread of the particles, m");
   c->add_option("--spread-angle", o->spread_angle_deg, "spread of the particles, deg");
   c->add_flag("--json", o->json, "print the result as JSON");

@@ -51,7 +51,7 @@ int run(const InspectOptions& o) {
                         {"materials", mesh.material_count},
                         {"lowest", {mesh.lowest.x(), mesh.lowest.y(), mesh.lowest.z()}},
                         {"highest", {mesh.highest.x(), mesh.highest.y(), mesh.highest.z()}},
-                        {"samples", edges.sample_position.size()},
+                        {"samples", edges.sample_along.size()},
                         {"sample_step", edges.sample_step},
                         {"warnings", findings(map)}};
     for (int k = 0; k < kEdgeKinds; ++k)
@@ -73,7 +73,7 @@ int run(const InspectOptions& o) {
                 edgeKindName(static_cast<EdgeKind>(k)), k + 1 < kEdgeKinds ? "," : "");
   std::printf("; %zu pieces merged into others\n", edges.merged_pieces);
   std::printf("  samples    %zu, every %.4g m; %.4g m of feature edges\n",
-              edges.sample_position.size(), edges.sample_step, edges.feature_length);
+              edges.sample_along.size(), edges.sample_step, edges.feature_length);
   std::printf("  visibility cells of %.3g m, occlusion tolerance %.3g mm\n",
               map.visibility().cellSize(), 1000 * map.visibility().occlusionTolerance());
   for (const std::string& f : findings(map)) std::printf("  note: %s\n", f.c_str());

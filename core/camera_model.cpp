@@ -54,6 +54,52 @@ double monotoneLimit2(const CameraModel& camera) {
   return 400;
 }
 
+/// Angle to the optical axis of the ray at a distorted normalised radius, without tangential
+/// distortion; by bisection.
+double undistortedAngle(const CameraModel& camera, double distorted_radius) {
+  double low = 0, high = 1.5;
+  for (int i = 0; i < 50; ++i) {
+    const double angle = 0.5 * (low + high), r = std::tan(angle);
+    double reached = 0;
+    bool beyond = false;
+    if (camera.distortion == DistortionModel::kEquidistant) {
+      beyond = angle * angle > camera.max_radius2;
+      reached = equidistantAngle(camera, angle).factor;
+    } else {
+      beyond = r * r > camera.max_radius2;
+      reached = r * radialFactor(camera, r * r).factor;
+    }
+    (beyond || reached > distorted_radius ? high : low) = angle;
+  }
+  return high;
+}
+
+/// From rays all along the border of the image.
+CameraModel::View viewOf(const CameraModel& camera) {
+  CameraModel::View view{0, 0, 0, 0, 0};
+  const auto add = [&](double u, double v) {
+    const double tx = (u - camera.cx) / camera.fx, ty = (v - camera.cy) / camera.fy;
+    const double radius = std::max(1e-9, std::hypot(tx, ty));
+    // Tangential distortion shifts a corner by a few pixels; one degree covers it.
+    const double angle = undistortedAngle(camera, radius) + 0.02;
+    const double x = tx / radius * std::tan(angle), y = ty / radius * std::tan(angle);
+    view.angle = std::max(view.angle, angle);
+    view.x_min = std::min(view.x_min, x - 0.02);
+    view.x_max = std::max(view.x_max, x + 0.02);
+    view.y_min = std::min(view.y_min, y - 0.02);
+    view.y_max = std::max(view.y_max, y + 0.02);
+  };
+  constexpr int kRays = 32;  // per side
+  for (int i = 0; i <= kRays; ++i) {
+    const double u = (camera.width - 1.0) * i / kRays, v = (camera.height - 1.0) * i / kRays;
+    add(u, 0);
+    add(u, camera.height - 1.0);
+    add(0, v);
+    add(camera.width - 1.0, v);
+  }
+  return view;
+}
+
 }  // namespace
 
 void CameraModel::validate(const std::string& origin) {
@@ -76,6 +122,7 @@ void CameraModel::validate(const std::string& origin) {
   for (double c : coefficients) zero = zero && c == 0;
   if (zero && distortion != DistortionModel::kEquidistant) distortion = DistortionModel::kNone;
   max_radius2 = monotoneLimit2(*this);
+  view = viewOf(*this);
 }
 
 bool CameraModel::project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel,
@@ -121,34 +168,6 @@ bool CameraModel::project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel,
     *jacobian = d * normalized;
   }
   return true;
-}
-
-double CameraModel::maxViewAngle() const {
-  // Bisection along the direction of each corner and edge middle for the undistorted angle.
-  double widest = 0;
-  for (double u : {0.0, 0.5, 1.0})
-    for (double v : {0.0, 0.5, 1.0}) {
-      const double tx = (u * (width - 1) - cx) / fx, ty = (v * (height - 1) - cy) / fy;
-      const double target = std::hypot(tx, ty);
-      if (target < 1e-9) continue;
-      double low = 0, high = 1.5;
-      for (int i = 0; i < 50; ++i) {
-        const double angle = 0.5 * (low + high), r = std::tan(angle);
-        double reached = 0;
-        bool beyond = false;
-        if (distortion == DistortionModel::kEquidistant) {
-          beyond = angle * angle > max_radius2;
-          reached = equidistantAngle(*this, angle).factor;
-        } else {
-          beyond = r * r > max_radius2;
-          reached = r * radialFactor(*this, r * r).factor;
-        }
-        (beyond || reached > target ? high : low) = angle;
-      }
-      widest = std::max(widest, high);
-    }
-  // Tangential distortion shifts a corner by a few pixels; one degree covers it.
-  return widest + 0.02;
 }
 
 CameraModel CameraModel::fromFields(int width, int height, const std::array<double, 9>& k,

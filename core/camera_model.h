@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <string>
 
 namespace edge_mcl {
@@ -25,8 +26,13 @@ struct CameraModel {
   /// Points with r2 (equidistant: theta^2) beyond this are outside the monotone part of the
   /// distortion: they would fold back into the image. Set by validate().
   double max_radius2 = 1e12;
+  /// Bounds of what the image shows; generous, for culling. Set by validate().
+  struct View {
+    double angle = M_PI;  ///< largest angle between the optical axis and a ray, radians
+    double x_min = -1e6, x_max = 1e6, y_min = -1e6, y_max = 1e6;  ///< of X/Z and Y/Z
+  } view;
 
-  /// Checks the numbers and computes max_radius2. @throws InputError listing every fault.
+  /// Checks the numbers and computes max_radius2 and view. @throws InputError listing every fault.
   void validate(const std::string& origin);
 
   /// Projects a point of the camera frame.
@@ -39,9 +45,6 @@ struct CameraModel {
   bool contains(const Eigen::Vector2d& pixel) const {
     return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= width - 1 && pixel.y() <= height - 1;
   }
-
-  /// Largest angle (radians) between the optical axis and a ray that meets the image.
-  double maxViewAngle() const;
 
   /// Reads the YAML that ROS's camera_calibration writes.
   /// @throws InputError naming the file and the missing or wrong key.

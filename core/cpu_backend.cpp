@@ -1,9 +1,10 @@
 #include "edge_mcl/core/cpu_backend.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <numeric>
 
@@ -20,14 +21,23 @@ double combineLines(const LikelihoodParameters& params, double line_sum, double 
 
 double spacingScale(const LikelihoodFrame& frame) {
   constexpr double kEndOn = 50;
-  if (frame.params.model == LikelihoodModel::kPaper) return kEndOn;
-  return 0.5 * (frame.camera.fx + frame.camera.fy) * frame.sample_step /
-         frame.params.correlation_length;
+  if (frame.params.model == LikelihoodModel::kPaper)
+    return kEndOn * 2 / (frame.camera.fx + frame.camera.fy);
+  return frame.sample_step / frame.params.correlation_length;
 }
 
 namespace {
 
-constexpr size_t kBlockParticles = 64;
+/// What one batch of particles shares.
+struct Batch {
+  const LikelihoodFrame* frame;
+  const std::vector<Pose>* poses;
+  std::vector<uint32_t> order;  ///< particles, those of one cell side by side
+  std::vector<uint32_t> cell;   ///< of every particle, into sets
+  std::vector<std::shared_ptr<const VisibleSet>> sets;
+
+  const Pose& pose(size_t i) const { return (*poses)[order[i]]; }
+};
 
 /// The part of space that the cameras of a block can see, as one cone.
 struct ViewCone {
@@ -45,76 +55,96 @@ struct ViewCone {
   }
 };
 
-ViewCone coneOf(double max_view_angle, const std::vector<Pose>& poses,
-                const std::vector<uint32_t>& order, size_t begin, size_t end) {
+/// Of particles [begin, end) of the batch's order.
+ViewCone coneOf(const Batch& batch, size_t begin, size_t end) {
   ViewCone cone;
   cone.apex = Eigen::Vector3d::Zero();
   cone.axis = Eigen::Vector3d::Zero();
   for (size_t i = begin; i < end; ++i) {
-    cone.apex += poses[order[i]].translation();
-    cone.axis += poses[order[i]].linear().col(2);
+    cone.apex += batch.pose(i).translation();
+    cone.axis += batch.pose(i).linear().col(2);
   }
   cone.apex /= static_cast<double>(end - begin);
   cone.half_angle = M_PI;
   cone.apex_radius = 0;
-  double spread = 0;
   if (cone.axis.norm() > 1e-3) {
     cone.axis.normalize();
+    double spread = 0;
     for (size_t i = begin; i < end; ++i)
       spread = std::max(
-          spread, std::acos(std::clamp(cone.axis.dot(poses[order[i]].linear().col(2)), -1.0, 1.0)));
-    cone.half_angle = spread + max_view_angle + 1e-3;
+          spread, std::acos(std::clamp(cone.axis.dot(batch.pose(i).linear().col(2)), -1.0, 1.0)));
+    cone.half_angle = spread + batch.frame->camera.view.angle + 1e-3;
   }
   for (size_t i = begin; i < end; ++i)
-    cone.apex_radius =
-        std::max(cone.apex_radius, (poses[order[i]].translation() - cone.apex).norm());
+    cone.apex_radius = std::max(cone.apex_radius, (batch.pose(i).translation() - cone.apex).norm());
   return cone;
 }
 
-/// @param origin near the cameras; the same for every block of a cell, so that a particle's bits
-///   do not depend on its neighbours.
-void fillSamples(const VisibleSet& set, const ViewCone& cone, const Eigen::Vector3f& origin,
-                 bool use_facing, KernelBlock* block) {
-  size_t group_begin = 0;  // first kept segment of the open group
-  for (const VisibleSet::Segment& segment : set.segments) {
-    if (!cone.misses(segment.centre.cast<double>(), segment.radius)) {
-      KernelBlock::Segment out{};
-      out.tx = segment.tangent.x();
-      out.ty = segment.tangent.y();
-      out.tz = segment.tangent.z();
-      out.first = static_cast<uint32_t>(block->x.size());
-      out.count = segment.count;
-      out.weight = use_facing ? segment.facing : 1;
-      for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
-        const Eigen::Vector3f p = set.position[i] - origin;
-        block->x.push_back(p.x());
-        block->y.push_back(p.y());
-        block->z.push_back(p.z());
-      }
-      block->segments.push_back(out);
+/// Merges the visible sets of the block's cells into its list of segments.
+/// @param cells distinct indices into batch.sets.
+void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const ViewCone& cone,
+                  KernelBlock* block) {
+  const EdgeModel& model = *batch.sets[cells.front()]->model;
+  std::vector<uint32_t> indices;
+  for (const uint32_t c : cells)
+    for (const VisibleSet::Segment& s : batch.sets[c]->segments) indices.push_back(s.index);
+  if (cells.size() > 1) {
+    std::sort(indices.begin(), indices.end());
+    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+  }
+  indices.erase(std::remove_if(indices.begin(), indices.end(),
+                               [&](uint32_t k) {
+                                 const EdgeSegment& s = model.segments[k];
+                                 return cone.misses(s.centre.cast<double>(), s.radius);
+                               }),
+                indices.end());
+  block->along = model.sample_along.data();
+  block->cells = static_cast<uint32_t>(cells.size());
+  block->segments.resize(indices.size());
+  block->seen.assign(indices.size() * cells.size(), 0);
+  const bool use_facing = batch.frame->params.model == LikelihoodModel::kRobust;
+  for (size_t c = 0; c < cells.size(); ++c) {
+    size_t k = 0;
+    for (const VisibleSet::Segment& s : batch.sets[cells[c]]->segments) {
+      while (k < indices.size() && indices[k] < s.index) ++k;
+      if (k == indices.size()) break;
+      if (indices[k] != s.index) continue;
+      const uint32_t facing = use_facing ? s.facing : 65535u;
+      block->seen[k * cells.size() + c] = s.samples | facing << 16;
+      block->segments[k].samples |= s.samples;
     }
-    if (segment.ends_group) {
-      if (block->segments.size() > group_begin) block->segments.back().ends_group = true;
-      group_begin = block->segments.size();
-    }
+  }
+  for (size_t k = 0; k < indices.size(); ++k) {
+    const EdgeSegment& s = model.segments[indices[k]];
+    const EdgeLine& line = model.lines[s.line];
+    KernelBlock::Segment& out = block->segments[k];
+    Eigen::Map<Eigen::Vector3d>(out.centre) = s.centre.cast<double>();
+    Eigen::Map<Eigen::Vector3d>(out.tangent) = line.tangent().cast<double>();
+    out.radius = s.radius;
+    out.first = s.first_sample;
+    out.ends_group = k + 1 == indices.size() ||
+                     model.lines[model.segments[indices[k + 1]].line].group != line.group;
   }
 }
 
-void fillPoses(const std::vector<Pose>& poses, const std::vector<uint32_t>& order, size_t begin,
-               size_t end, const Eigen::Vector3f& origin, KernelBlock* block) {
+void fillParticles(const Batch& batch, const std::vector<uint32_t>& cells, size_t begin, size_t end,
+                   KernelBlock* block) {
   block->particles = end - begin;
   const size_t padded = (block->particles + KernelBlock::kLanePadding - 1) /
                         KernelBlock::kLanePadding * KernelBlock::kLanePadding;
   for (auto& plane : block->pose) plane.resize(padded);
+  block->cell.resize(padded);
   for (size_t lane = 0; lane < padded; ++lane) {
-    const Pose& pose = poses[order[begin + std::min(lane, block->particles - 1)]];
+    const uint32_t particle = batch.order[begin + std::min(lane, block->particles - 1)];
+    const Pose& pose = (*batch.poses)[particle];
     const Eigen::Matrix3d to_camera = pose.linear().transpose();
-    const Eigen::Vector3d t = -(to_camera * (pose.translation() - origin.cast<double>()));
+    const Eigen::Vector3d t = -(to_camera * pose.translation());
     for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c)
-        block->pose[3 * r + c][lane] = static_cast<float>(to_camera(r, c));
-      block->pose[9 + r][lane] = static_cast<float>(t[r]);
+      for (int c = 0; c < 3; ++c) block->pose[3 * r + c][lane] = to_camera(r, c);
+      block->pose[9 + r][lane] = t[r];
     }
+    block->cell[lane] = static_cast<int32_t>(
+        std::lower_bound(cells.begin(), cells.end(), batch.cell[particle]) - cells.begin());
   }
 }
 
@@ -134,6 +164,11 @@ KernelCamera kernelCamera(const CameraModel& camera) {
   k.max_radius2 = static_cast<float>(limit);
   k.distortion = static_cast<int>(camera.distortion);
   for (int i = 0; i < 8; ++i) k.k[i] = static_cast<float>(camera.coefficients[i]);
+  const CameraModel::View& v = camera.view;
+  const Eigen::Vector3d planes[] = {
+      {1, 0, -v.x_min}, {-1, 0, v.x_max}, {0, 1, -v.y_min}, {0, -1, v.y_max}};
+  for (int i = 0; i < 4; ++i)
+    Eigen::Map<Eigen::Vector3f>(k.plane[i]) = planes[i].normalized().cast<float>();
   return k;
 }
 
@@ -146,18 +181,34 @@ void checkFrame(const LikelihoodFrame& frame) {
                      std::to_string(frame.camera.height));
 }
 
-/// Particles [begin, end) of `order`, which see `set`. Returns the particle-samples evaluated.
-uint64_t scoreRange(const LikelihoodFrame& frame, const VisibleSet& set,
-                    const Eigen::Vector3d& near_cameras, double max_view_angle,
-                    const std::vector<Pose>& poses, const std::vector<uint32_t>& order,
-                    size_t begin, size_t end, std::vector<PoseScore>* scores) {
-  const ViewCone cone = coneOf(max_view_angle, poses, order, begin, end);
+void requireValid(const std::vector<Pose>& poses) {
+  for (const Pose& pose : poses)
+    if (!pose.matrix().allFinite()) throw Error("likelihood: a pose is not finite");
+}
+
+/// Visible samples of the block's segments, summed over its particles.
+uint64_t countParticleSamples(const KernelBlock& block) {
+  std::vector<uint64_t> of_cell(block.cells);
+  for (size_t i = 0; i < block.seen.size(); ++i)
+    of_cell[i % block.cells] += std::bitset<16>(block.seen[i] & 0xffffu).count();
+  uint64_t total = 0;
+  for (size_t p = 0; p < block.particles; ++p) total += of_cell[block.cell[p]];
+  return total;
+}
+
+/// Scores particles [begin, end) of the batch's order. Returns the particle-samples evaluated.
+uint64_t scoreRange(const Batch& batch, size_t begin, size_t end, std::vector<PoseScore>* scores) {
+  std::vector<uint32_t> cells;
+  for (size_t i = begin; i < end; ++i) cells.push_back(batch.cell[batch.order[i]]);
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   KernelBlock block;
-  const Eigen::Vector3f origin = near_cameras.cast<float>();
-  fillSamples(set, cone, origin, frame.params.model == LikelihoodModel::kRobust, &block);
-  fillPoses(poses, order, begin, end, origin, &block);
+  fillSegments(batch, cells, coneOf(batch, begin, end), &block);
+  fillParticles(batch, cells, begin, end, &block);
+  const LikelihoodFrame& frame = *batch.frame;
   const ScoreTable& t = *frame.table;
-  const KernelTable table{t.words(), t.width(), t.height(), t.bins(), t.scale(), t.offset()};
+  const KernelTable table{t.pairs(),      t.stride(), t.rows(),  t.bins(),
+                          t.hasIgnored(), t.scale(),  t.offset()};
   const LikelihoodParameters& p = frame.params;
   const KernelLineRule rule{p.model == LikelihoodModel::kPaper,
                             static_cast<float>(1 / p.line_saturation),
@@ -167,15 +218,23 @@ uint64_t scoreRange(const LikelihoodFrame& frame, const VisibleSet& set,
   runKernel(block, kernelCamera(frame.camera), table, rule, results.data());
   for (size_t i = begin; i < end; ++i) {
     const KernelResult& r = results[i - begin];
-    (*scores)[order[i]] = {combineLines(p, r.line_sum, r.line_count), r.sample_weight,
-                           r.line_count};
+    (*scores)[batch.order[i]] = {combineLines(p, r.line_sum, r.line_count), r.sample_weight,
+                                 r.line_count};
   }
-  return block.particles * block.x.size();
+  return countParticleSamples(block);
 }
 
-void requireValid(const std::vector<Pose>& poses) {
-  for (const Pose& pose : poses)
-    if (!pose.matrix().allFinite()) throw Error("likelihood: a pose is not finite");
+/// Scores all; the batch's order and cells are complete. Returns the particle-samples evaluated.
+uint64_t scoreAll(const Batch& batch, std::vector<PoseScore>* scores) {
+  // Large blocks share more of the table in the caches; every thread should get at least two.
+  const size_t n = batch.order.size(), lanes = KernelBlock::kLanePadding;
+  const size_t wanted = n / (2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
+  const size_t size = std::clamp((wanted + lanes - 1) / lanes * lanes, size_t{64}, size_t{256});
+  std::vector<uint64_t> evaluated((n + size - 1) / size);
+  tbb::parallel_for(size_t{0}, evaluated.size(), [&](size_t r) {
+    evaluated[r] = scoreRange(batch, r * size, std::min(n, (r + 1) * size), scores);
+  });
+  return std::accumulate(evaluated.begin(), evaluated.end(), uint64_t{0});
 }
 
 }  // namespace
@@ -189,43 +248,32 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
                                             const std::vector<Pose>& camera_poses) const {
   checkFrame(frame);
   requireValid(camera_poses);
-  std::vector<PoseScore> scores(camera_poses.size());
-  std::vector<CellKey> cells(camera_poses.size());
-  for (size_t i = 0; i < cells.size(); ++i)
-    cells[i] = visibility_->cellOf(camera_poses[i].translation());
-  std::vector<uint32_t> order(camera_poses.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const bool exact = visibility_->exactMode();
-  if (!exact)
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-      return cells[a] == cells[b] ? a < b : cells[a] < cells[b];
-    });
-
-  struct Range {
-    size_t begin, end;
+  const size_t n = camera_poses.size();
+  Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n), {}};
+  std::iota(batch.order.begin(), batch.order.end(), 0u);
+  std::vector<CellKey> key(n);
+  for (size_t i = 0; i < n; ++i) key[i] = visibility_->cellOf(camera_poses[i].translation());
+  const auto sameCell = [&](uint32_t a, uint32_t b) {
+    return !visibility_->exactMode() && key[a] == key[b];
   };
-  std::vector<Range> ranges;
-  for (size_t i = 0; i < order.size();) {
-    size_t j = i + 1;
-    while (!exact && j < order.size() && j - i < kBlockParticles &&
-           cells[order[j]] == cells[order[i]])
-      ++j;
-    ranges.push_back({i, j});
-    i = j;
+  std::sort(batch.order.begin(), batch.order.end(),
+            [&](uint32_t a, uint32_t b) { return key[a] == key[b] ? a < b : key[a] < key[b]; });
+  std::vector<uint32_t> first_of_cell;
+  for (size_t i = 0; i < n; ++i) {
+    const uint32_t particle = batch.order[i];
+    if (i == 0 || !sameCell(first_of_cell.back(), particle)) first_of_cell.push_back(particle);
+    batch.cell[particle] = static_cast<uint32_t>(first_of_cell.size() - 1);
   }
-  const double max_view_angle = frame.camera.maxViewAngle();
-  std::vector<uint64_t> evaluated(ranges.size());
-  tbb::parallel_for(size_t{0}, ranges.size(), [&](size_t r) {
-    const uint32_t first = order[ranges[r].begin];
-    std::shared_ptr<const VisibleSet> set;
-    if (exact)
-      set = std::make_shared<VisibleSet>(visibility_->exact(camera_poses[first].translation()));
-    else
-      set = visibility_->cached(cells[first]);
-    evaluated[r] = scoreRange(frame, *set, visibility_->cellCentre(cells[first]), max_view_angle,
-                              camera_poses, order, ranges[r].begin, ranges[r].end, &scores);
+  batch.sets.resize(first_of_cell.size());
+  tbb::parallel_for(size_t{0}, batch.sets.size(), [&](size_t c) {
+    const uint32_t particle = first_of_cell[c];
+    batch.sets[c] = visibility_->exactMode()
+                        ? std::make_shared<const VisibleSet>(
+                              visibility_->exact(camera_poses[particle].translation()))
+                        : visibility_->cached(key[particle]);
   });
-  last_evaluated_samples_ = std::accumulate(evaluated.begin(), evaluated.end(), uint64_t{0});
+  std::vector<PoseScore> scores(n);
+  last_evaluated_samples_ = scoreAll(batch, &scores);
   return scores;
 }
 
@@ -233,12 +281,12 @@ std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, cons
                                               const std::vector<Pose>& camera_poses) {
   checkFrame(frame);
   requireValid(camera_poses);
-  std::vector<PoseScore> scores(camera_poses.size());
-  std::vector<uint32_t> order(camera_poses.size());
-  std::iota(order.begin(), order.end(), 0u);
-  for (size_t i = 0; i < order.size(); i += kBlockParticles)
-    scoreRange(frame, set, camera_poses.front().translation(), frame.camera.maxViewAngle(),
-               camera_poses, order, i, std::min(i + kBlockParticles, order.size()), &scores);
+  const size_t n = camera_poses.size();
+  Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n, 0u), {}};
+  std::iota(batch.order.begin(), batch.order.end(), 0u);
+  batch.sets = {std::make_shared<const VisibleSet>(set)};
+  std::vector<PoseScore> scores(n);
+  scoreAll(batch, &scores);
   return scores;
 }
 

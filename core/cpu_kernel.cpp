@@ -6,6 +6,8 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
+#include <vector>
+
 #include "edge_mcl/core/camera_model.h"
 #include "edge_mcl/core/cpu_kernel.h"
 
@@ -24,8 +26,12 @@ using VU = hn::Vec<DU>;
 /// 1/v to within two units in the last place.
 HWY_INLINE V reciprocal(D d, V v) {
   const V guess = hn::ApproximateReciprocal(v);
-  const V once = hn::Mul(guess, hn::NegMulAdd(v, guess, hn::Set(d, 2.0f)));
-  return hn::Mul(once, hn::NegMulAdd(v, once, hn::Set(d, 2.0f)));
+  const V once = hn::MulAdd(guess, hn::NegMulAdd(v, guess, hn::Set(d, 1.0f)), guess);
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  return once;  // from 14 bits to all of them
+#else
+  return hn::MulAdd(once, hn::NegMulAdd(v, once, hn::Set(d, 1.0f)), once);
+#endif
 }
 
 /// Sum with a carried rounding error (Knuth's two-sum).
@@ -100,159 +106,276 @@ HWY_INLINE Distorted distort(D d, V x, V y, V r2, const KernelCamera& camera) {
   return out;
 }
 
-/// Bilinear value of a word of four bytes.
-HWY_INLINE V bilinear(D d, VU word, V fx, V fy) {
-  const DU du;
-  const DI di;
-  const VU low = hn::Set(du, 0xffu);
-  const auto byte = [&](VU v) { return hn::ConvertTo(d, hn::BitCast(di, v)); };
-  const V a = byte(hn::And(word, low));
-  const V b = byte(hn::And(hn::ShiftRight<8>(word), low));
-  const V c = byte(hn::And(hn::ShiftRight<16>(word), low));
-  const V e = byte(hn::ShiftRight<24>(word));
-  const V top = hn::MulAdd(fx, hn::Sub(b, a), a);
-  const V bottom = hn::MulAdd(fx, hn::Sub(e, c), c);
-  return hn::MulAdd(fy, hn::Sub(bottom, top), top);
-}
+/// An integer n with n <= v + 1/2 <= n + 1 for 0 <= v + 1/2 < 2^22, found by adding a number so
+/// large that the sum has no fraction; where v + 1/2 is an integer it may be that or one less.
+/// Cheaper than a conversion, which has to care for numbers out of range.
+struct RoundedDown {
+  static constexpr float kLarge = 12582912.0f;    // 1.5 * 2^23
+  static constexpr uint32_t kBias = 0x4b400000u;  // its bits
+  V value;
+  HWY_INLINE RoundedDown(D d, V v)
+      : value(hn::Sub(hn::Add(v, hn::Set(d, kLarge)), hn::Set(d, kLarge))) {}
+  /// The integer plus kBias, modulo 2^32.
+  HWY_INLINE VI bits(D d) const { return bits(d, value); }
+  static HWY_INLINE VI bits(D d, V integer) {
+    return hn::BitCast(DI(), hn::Add(integer, hn::Set(d, kLarge)));
+  }
+};
 
+/// Sums of one particle while its segments are worked through.
+struct LaneSums {
+  V group_score, group_weight;
+  CompensatedSum line_sum;
+  V line_count, total_weight;
+  explicit LaneSums(D d)
+      : group_score(hn::Zero(d)),
+        group_weight(hn::Zero(d)),
+        line_sum(d),
+        line_count(hn::Zero(d)),
+        total_weight(hn::Zero(d)) {}
+};
+
+/// One vector of particles.
 template <int kModel>
-void scoreLanes(const KernelBlock& block, size_t first_lane, const KernelCamera& camera,
-                const KernelTable& table, const KernelLineRule& rule, KernelResult* results) {
-  const D d;
-  const DI di;
-  const DU du;
-  V pose[12];
-  for (int i = 0; i < 12; ++i) pose[i] = hn::LoadU(d, block.pose[i].data() + first_lane);
-  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  const V fx = hn::Set(d, camera.fx), fy = hn::Set(d, camera.fy);
-  const V cx = hn::Set(d, camera.cx), cy = hn::Set(d, camera.cy);
-  const V last_x = hn::Set(d, camera.last_x), last_y = hn::Set(d, camera.last_y);
-  const V min_depth = hn::Set(d, camera.min_depth);
-  const V inverse_fade = hn::Set(d, rule.inverse_fade);
-  const V spacing_scale = hn::Set(d, rule.spacing_scale);
-  const V half_bins = hn::Set(d, 0.5f * static_cast<float>(table.bins));
-  const V scale = hn::Set(d, table.scale), offset = hn::Set(d, table.offset);
-  const VI max_x = hn::Set(di, table.width - 2), max_y = hn::Set(di, table.height - 2);
-  const VI width = hn::Set(di, table.width), height = hn::Set(di, table.height);
-  const VI bins = hn::Set(di, table.bins), last_bin = hn::Set(di, table.bins - 1),
-           izero = hn::Zero(di), ione = hn::Set(di, 1);
-  const auto* words = reinterpret_cast<const int32_t*>(table.words);
+class LaneScorer {
+ public:
+  LaneScorer(const KernelBlock& block, const KernelCamera& camera, const KernelTable& table,
+             const KernelLineRule& rule)
+      : block_(block), camera_(camera), table_(table), rule_(rule) {}
 
-  V group_score = zero, group_weight = zero;
-  CompensatedSum line_sum(d);
-  V line_count = zero, total_weight = zero;
+  /// Adds segment number s to the sums of the particles from `first_lane` on.
+  HWY_INLINE void add(size_t s, size_t first_lane, LaneSums* sums) const {
+    const KernelBlock::Segment& segment = block_.segments[s];
+    addSegment(first_lane, segment, &block_.seen[s * block_.cells], sums);
+    if (segment.ends_group) closeGroup(sums);
+  }
 
-  for (const KernelBlock::Segment& segment : block.segments) {
-    const V sx = hn::Set(d, segment.tx), sy = hn::Set(d, segment.ty), sz = hn::Set(d, segment.tz);
-    const V tx = hn::MulAdd(pose[0], sx, hn::MulAdd(pose[1], sy, hn::Mul(pose[2], sz)));
-    const V ty = hn::MulAdd(pose[3], sx, hn::MulAdd(pose[4], sy, hn::Mul(pose[5], sz)));
-    const V tz = hn::MulAdd(pose[6], sx, hn::MulAdd(pose[7], sy, hn::Mul(pose[8], sz)));
-    const V segment_weight = hn::Set(d, segment.weight);
-    for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
-      const V px = hn::Set(d, block.x[i]), py = hn::Set(d, block.y[i]), pz = hn::Set(d, block.z[i]);
-      const V z =
-          hn::MulAdd(pose[6], px, hn::MulAdd(pose[7], py, hn::MulAdd(pose[8], pz, pose[11])));
-      const auto in_front = hn::Gt(z, min_depth);
-      if (hn::AllFalse(d, in_front)) continue;
-      const V cam_x =
-          hn::MulAdd(pose[0], px, hn::MulAdd(pose[1], py, hn::MulAdd(pose[2], pz, pose[9])));
-      const V cam_y =
-          hn::MulAdd(pose[3], px, hn::MulAdd(pose[4], py, hn::MulAdd(pose[5], pz, pose[10])));
+ private:
+  /// a . (x, y, z) + b of every lane in double precision, rounded once.
+  HWY_INLINE V transform(size_t first_lane, int row, const double* v, bool is_point) const {
+    const D d;
+    const hn::CappedTag<double, KernelBlock::kLanePadding> wide;
+    const hn::Rebind<float, decltype(wide)> narrow;
+    HWY_ALIGN float out[KernelBlock::kLanePadding];
+    for (size_t i = 0; i < hn::Lanes(d); i += hn::Lanes(wide)) {
+      const auto plane = [&](int p) {
+        return hn::LoadU(wide, block_.pose[p].data() + first_lane + i);
+      };
+      auto sum = hn::Mul(plane(3 * row), hn::Set(wide, v[0]));
+      sum = hn::MulAdd(plane(3 * row + 1), hn::Set(wide, v[1]), sum);
+      sum = hn::MulAdd(plane(3 * row + 2), hn::Set(wide, v[2]), sum);
+      if (is_point) sum = hn::Add(sum, plane(9 + row));
+      hn::StoreU(hn::DemoteTo(narrow, sum), narrow, out + i);
+    }
+    return hn::Load(d, out);
+  }
+
+  /// Whether a sphere is outside the view of all lanes.
+  HWY_INLINE bool outsideView(float radius, V x, V y, V z) const {
+    const D d;
+    const V limit = hn::Set(d, -radius);
+    for (const auto& n : camera_.plane) {
+      const V distance = hn::MulAdd(hn::Set(d, n[0]), x,
+                                    hn::MulAdd(hn::Set(d, n[1]), y, hn::Mul(hn::Set(d, n[2]), z)));
+      if (hn::AllTrue(d, hn::Lt(distance, limit))) return true;
+    }
+    return false;
+  }
+
+  /// @param seen_row KernelBlock::seen of this segment.
+  HWY_INLINE void addSegment(size_t first_lane, const KernelBlock::Segment& segment,
+                             const uint32_t* seen_row, LaneSums* sums) const {
+    const D d;
+    const DI di;
+    const DU du;
+    const V px = transform(first_lane, 0, segment.centre, true);
+    const V py = transform(first_lane, 1, segment.centre, true);
+    const V pz = transform(first_lane, 2, segment.centre, true);
+    if (outsideView(segment.radius, px, py, pz)) return;
+    const V tx = transform(first_lane, 0, segment.tangent, false);
+    const V ty = transform(first_lane, 1, segment.tangent, false);
+    const V tz = transform(first_lane, 2, segment.tangent, false);
+    const VI cell = hn::LoadU(di, block_.cell.data() + first_lane);
+    const VU seen =
+        hn::BitCast(du, hn::GatherIndex(di, reinterpret_cast<const int32_t*>(seen_row), cell));
+    const V segment_weight = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(seen))),
+                                     hn::Set(d, 1 / 65535.0f));
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+    const V fx = hn::Set(d, camera_.fx), fy = hn::Set(d, camera_.fy);
+    const V cx = hn::Set(d, camera_.cx), cy = hn::Set(d, camera_.cy);
+    const V last_x = hn::Set(d, camera_.last_x), last_y = hn::Set(d, camera_.last_y);
+    const V min_depth = hn::Set(d, camera_.min_depth);
+    const V inverse_fade = hn::Set(d, rule_.inverse_fade);
+    const V spacing_scale = hn::Set(d, rule_.spacing_scale);
+    const V half_bins = hn::Set(d, 0.5f * static_cast<float>(table_.bins));
+    const V rows = hn::Set(d, static_cast<float>(table_.rows));
+    // The next bin is stored beside each; a diamond angle of 2 is the end of the last.
+    const V last_bin = hn::Set(d, static_cast<float>(table_.bins) * (1 - 1e-7f) - 0.5f);
+    const V scale = hn::Set(d, table_.scale), offset = hn::Set(d, table_.offset);
+    const V half = hn::Set(d, 0.5f);
+
+    for (uint32_t left = segment.samples; left != 0; left &= left - 1) {
+      const auto i = static_cast<uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(left));
+      const V along = hn::Set(d, block_.along[segment.first + i]);
+      const V z = hn::MulAdd(along, tz, pz);
+      auto valid =
+          hn::And(hn::RebindMask(d, hn::TestBit(seen, hn::Set(du, 1u << i))), hn::Gt(z, min_depth));
+      if (hn::AllFalse(d, valid)) continue;
       const V iz = reciprocal(d, hn::Max(z, min_depth));
-      const V xn = hn::Mul(cam_x, iz), yn = hn::Mul(cam_y, iz);
-      // Direction of the projected edge, up to a positive factor.
+      V xn = hn::Mul(hn::MulAdd(along, tx, px), iz);
+      V yn = hn::Mul(hn::MulAdd(along, ty, py), iz);
+      // Direction of the projected edge, up to the factor iz.
       V a = hn::NegMulAdd(xn, tz, tx), b = hn::NegMulAdd(yn, tz, ty);
-      V u, v, weight;
-      if constexpr (kModel == static_cast<int>(DistortionModel::kNone)) {
-        u = hn::MulAdd(fx, xn, cx);
-        v = hn::MulAdd(fy, yn, cy);
-        weight = hn::IfThenElseZero(in_front, segment_weight);
-      } else {
+      if constexpr (kModel != static_cast<int>(DistortionModel::kNone)) {
         const V r2 = hn::MulAdd(xn, xn, hn::Mul(yn, yn));
-        const auto inside = hn::And(in_front, hn::Le(r2, hn::Set(d, camera.max_radius2)));
-        const Distorted q = distort<kModel>(d, xn, yn, r2, camera);
-        u = hn::MulAdd(fx, q.x, cx);
-        v = hn::MulAdd(fy, q.y, cy);
+        valid = hn::And(valid, hn::Le(r2, hn::Set(d, camera_.max_radius2)));
+        const Distorted q = distort<kModel>(d, xn, yn, r2, camera_);
+        xn = q.x;
+        yn = q.y;
         const V a_distorted = hn::MulAdd(q.j00, a, hn::Mul(q.j01, b));
         b = hn::MulAdd(q.j01, a, hn::Mul(q.j11, b));
         a = a_distorted;
-        weight = hn::IfThenElseZero(inside, segment_weight);
       }
+      const V u = hn::MulAdd(fx, xn, cx), v = hn::MulAdd(fy, yn, cy);
       const V border = hn::Min(hn::Min(u, hn::Sub(last_x, u)), hn::Min(v, hn::Sub(last_y, v)));
-      const V fade = hn::Min(one, hn::Mul(border, inverse_fade));
-      weight = hn::IfThenElseZero(hn::Ge(border, zero), hn::Mul(weight, fade));
-      if (hn::AllFalse(d, hn::Gt(weight, zero))) continue;
+      valid = hn::And(valid, hn::Ge(border, zero));
+      if (hn::AllFalse(d, valid)) continue;
+      V weight = hn::Mul(segment_weight, hn::Min(one, hn::Mul(border, inverse_fade)));
 
       // An edge seen end-on has no direction in the image: it fades out. In the robust model the
       // measure is the distance of neighbouring samples in the image.
-      const V spacing = hn::Mul(hn::Add(hn::Abs(a), hn::Abs(b)), spacing_scale);
-      weight = hn::Mul(weight, hn::Min(one, rule.paper ? spacing : hn::Mul(spacing, iz)));
-      V du_image = hn::Mul(fx, a), dv_image = hn::Mul(fy, b);
-      const auto downwards = hn::Lt(dv_image, zero);
-      du_image = hn::IfThenElse(downwards, hn::Neg(du_image), du_image);
-      dv_image = hn::Abs(dv_image);
-      const V sum = hn::Max(hn::Add(hn::Abs(du_image), dv_image), hn::Set(d, 1e-20f));
-      const V ratio = hn::Mul(dv_image, reciprocal(d, sum));
-      const V diamond =
-          hn::IfThenElse(hn::Ge(du_image, zero), ratio, hn::Sub(hn::Set(d, 2.0f), ratio));
-      const V bin = hn::Mul(diamond, half_bins);
-      const VI bin_floor = hn::ConvertTo(di, bin);
-      const V bin_fraction = hn::Sub(bin, hn::ConvertTo(d, bin_floor));
-      const VI bin_a =
-          hn::IfThenElse(hn::Gt(bin_floor, last_bin), hn::Sub(bin_floor, bins), bin_floor);
-      const VI bin_next = hn::Add(bin_a, ione);
-      const VI bin_b = hn::IfThenElse(hn::Gt(bin_next, last_bin), izero, bin_next);
-
-      const V u_safe = hn::Max(zero, hn::Min(u, last_x)),
-              v_safe = hn::Max(zero, hn::Min(v, last_y));
-      const VI ix = hn::Min(hn::ConvertTo(di, u_safe), max_x);
-      const VI iy = hn::Min(hn::ConvertTo(di, v_safe), max_y);
-      const V frac_x = hn::Sub(u_safe, hn::ConvertTo(d, ix));
-      const V frac_y = hn::Sub(v_safe, hn::ConvertTo(d, iy));
-      const VI at_a = hn::Add(hn::Mul(hn::Add(hn::Mul(bin_a, height), iy), width), ix);
-      const VI at_b = hn::Add(hn::Mul(hn::Add(hn::Mul(bin_b, height), iy), width), ix);
-      const VU word_a = hn::BitCast(du, hn::GatherIndex(di, words, at_a));
-      const VU word_b = hn::BitCast(du, hn::GatherIndex(di, words, at_b));
-      // A word of zero marks ignored pixels, the same in every bin.
-      weight =
-          hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(hn::BitCast(di, word_a), izero)), weight);
-      const V value_a = bilinear(d, word_a, frac_x, frac_y);
-      const V value_b = bilinear(d, word_b, frac_x, frac_y);
-      const V value = hn::MulAdd(bin_fraction, hn::Sub(value_b, value_a), value_a);
-      group_score = hn::MulAdd(weight, hn::MulAdd(scale, value, offset), group_score);
-      group_weight = hn::Add(group_weight, weight);
+      const V du_image = hn::Mul(fx, a), dv_image = hn::Mul(fy, b);
+      const V abs_dv = hn::Abs(dv_image);
+      const V length = hn::Add(hn::Abs(du_image), abs_dv);
+      const V spacing = hn::Mul(length, spacing_scale);
+      weight = hn::Mul(weight, hn::Min(one, rule_.paper ? spacing : hn::Mul(spacing, iz)));
+      // Diamond angle of the undirected edge: dv / (|du| + |dv|) in the first quadrant, 2 minus it
+      // where the signs differ.
+      const V ratio =
+          hn::Mul(hn::Mul(abs_dv, half_bins), reciprocal(d, hn::Max(length, hn::Set(d, 1e-20f))));
+      const auto second = hn::Lt(hn::Mul(du_image, dv_image), zero);
+      const V bin = hn::IfThenElse(second, hn::Sub(hn::Add(half_bins, half_bins), ratio), ratio);
+      const RoundedDown bin_floor(d, hn::Min(hn::Sub(bin, half), last_bin));
+      const RoundedDown x(d, hn::Sub(u, half)), y(d, hn::Sub(v, half));
+      const V bin_fraction = hn::Sub(bin, bin_floor.value);
+      // Not u - x: one rounding less, which is what the position in the image is good to.
+      const V frac_x = hn::MulAdd(fx, xn, hn::Sub(cx, x.value));
+      const V frac_y = hn::MulAdd(fy, yn, hn::Sub(cy, y.value));
+      const V row = hn::MulAdd(bin_floor.value, rows, y.value);  // exact: below 2^22
+      const VI at = hn::IfThenElseZero(hn::RebindMask(di, valid),
+                                       byteOffset(RoundedDown::bits(d, row), x.bits(d)));
+      const VU top =
+          hn::BitCast(du, hn::GatherOffset(di, reinterpret_cast<const int32_t*>(table_.pairs), at));
+      const VU bottom = hn::BitCast(
+          du,
+          hn::GatherOffset(di, reinterpret_cast<const int32_t*>(table_.pairs + table_.stride), at));
+      // Bytes from the low one up: (x, bin), (x, next bin), (x + 1, bin), (x + 1, next bin).
+      const VU low = hn::Set(du, 0xffu);
+      const auto number = [&](VU word) { return hn::ConvertTo(d, hn::BitCast(di, word)); };
+      const V a0 = number(hn::And(top, low));
+      const V b0 = number(hn::And(hn::ShiftRight<8>(top), low));
+      const V a1 = number(hn::And(hn::ShiftRight<16>(top), low));
+      const V b1 = number(hn::ShiftRight<24>(top));
+      const V c0 = number(hn::And(bottom, low));
+      const V e0 = number(hn::And(hn::ShiftRight<8>(bottom), low));
+      const V c1 = number(hn::And(hn::ShiftRight<16>(bottom), low));
+      const V e1 = number(hn::ShiftRight<24>(bottom));
+      if (table_.has_ignored)
+        valid = hn::And(valid, hn::Gt(hn::Min(hn::Min(a0, a1), hn::Min(c0, c1)), zero));
+      const auto mix = [](V from, V to, V share) {
+        return hn::MulAdd(share, hn::Sub(to, from), from);
+      };
+      const V value_a = mix(mix(a0, a1, frac_x), mix(c0, c1, frac_x), frac_y);
+      const V value_b = mix(mix(b0, b1, frac_x), mix(e0, e1, frac_x), frac_y);
+      const V score = hn::MulAdd(scale, mix(value_a, value_b, bin_fraction), offset);
+      // A sample that is not valid may have no finite score.
+      sums->group_score =
+          hn::IfThenElse(valid, hn::MulAdd(weight, score, sums->group_score), sums->group_score);
+      sums->group_weight =
+          hn::IfThenElse(valid, hn::Add(sums->group_weight, weight), sums->group_weight);
     }
-    if (!segment.ends_group) continue;
-    if (rule.paper) {
-      // Eq. (2); a line that just fades in counts partly.
-      line_sum.add(hn::Mul(group_score, reciprocal(d, hn::Max(one, group_weight))));
-      line_count = hn::Add(line_count, hn::Min(one, group_weight));
-    } else {
-      const V saturation = hn::Mul(group_weight, hn::Set(d, rule.inverse_saturation));
-      const V share = reciprocal(d, hn::Add(saturation, one));
-      line_sum.add(hn::Mul(group_score, share));
-      line_count = hn::MulAdd(saturation, share, line_count);
-    }
-    total_weight = hn::Add(total_weight, group_weight);
-    group_score = group_weight = zero;
   }
 
-  HWY_ALIGN float sum[KernelBlock::kLanePadding], error[KernelBlock::kLanePadding],
-      count[KernelBlock::kLanePadding], total[KernelBlock::kLanePadding];
-  hn::Store(line_sum.sum, d, sum);
-  hn::Store(line_sum.error, d, error);
-  hn::Store(line_count, d, count);
-  hn::Store(total_weight, d, total);
-  for (size_t lane = 0; lane < hn::Lanes(d) && first_lane + lane < block.particles; ++lane)
-    results[first_lane + lane] = {static_cast<double>(sum[lane]) + error[lane], total[lane],
-                                  count[lane]};
-}
+  /// Offset in the table in bytes, from the biased bits of row and column.
+  HWY_INLINE VI byteOffset(VI row, VI x) const {
+    const DI di;
+    const auto stride = static_cast<uint32_t>(2 * table_.stride);
+    const uint32_t bias = RoundedDown::kBias * (stride + 2);
+    const VI offset =
+        hn::Add(hn::Mul(row, hn::Set(di, static_cast<int32_t>(stride))), hn::Add(x, x));
+    return hn::Sub(offset, hn::Set(di, static_cast<int32_t>(bias)));
+  }
+
+  HWY_INLINE void closeGroup(LaneSums* sums) const {
+    const D d;
+    const V one = hn::Set(d, 1.0f);
+    if (rule_.paper) {
+      // Eq. (2); a line that just fades in counts partly.
+      sums->line_sum.add(
+          hn::Mul(sums->group_score, reciprocal(d, hn::Max(one, sums->group_weight))));
+      sums->line_count = hn::Add(sums->line_count, hn::Min(one, sums->group_weight));
+    } else {
+      const V saturation = hn::Mul(sums->group_weight, hn::Set(d, rule_.inverse_saturation));
+      const V share = reciprocal(d, hn::Add(saturation, one));
+      sums->line_sum.add(hn::Mul(sums->group_score, share));
+      sums->line_count = hn::MulAdd(saturation, share, sums->line_count);
+    }
+    sums->total_weight = hn::Add(sums->total_weight, sums->group_weight);
+    sums->group_score = sums->group_weight = hn::Zero(d);
+  }
+
+  const KernelBlock& block_;
+  const KernelCamera& camera_;
+  const KernelTable& table_;
+  const KernelLineRule& rule_;
+};
+
+/// Sums of a vector of particles in memory.
+struct StoredSums {
+  static constexpr size_t kWords = 6;
+  static HWY_INLINE LaneSums load(const float* from) {
+    const D d;
+    const size_t n = hn::Lanes(d);
+    LaneSums sums(d);
+    sums.group_score = hn::LoadU(d, from);
+    sums.group_weight = hn::LoadU(d, from + n);
+    sums.line_sum.sum = hn::LoadU(d, from + 2 * n);
+    sums.line_sum.error = hn::LoadU(d, from + 3 * n);
+    sums.line_count = hn::LoadU(d, from + 4 * n);
+    sums.total_weight = hn::LoadU(d, from + 5 * n);
+    return sums;
+  }
+  static HWY_INLINE void store(const LaneSums& sums, float* to) {
+    const D d;
+    const size_t n = hn::Lanes(d);
+    hn::StoreU(sums.group_score, d, to);
+    hn::StoreU(sums.group_weight, d, to + n);
+    hn::StoreU(sums.line_sum.sum, d, to + 2 * n);
+    hn::StoreU(sums.line_sum.error, d, to + 3 * n);
+    hn::StoreU(sums.line_count, d, to + 4 * n);
+    hn::StoreU(sums.total_weight, d, to + 5 * n);
+  }
+};
 
 template <int kModel>
 void scoreBlock(const KernelBlock& block, const KernelCamera& camera, const KernelTable& table,
                 const KernelLineRule& rule, KernelResult* results) {
-  for (size_t lane = 0; lane < block.particles; lane += hn::Lanes(D()))
-    scoreLanes<kModel>(block, lane, camera, table, rule, results);
+  // One segment at a time for all particles: together they touch one small part of the table,
+  // which then stays in the fastest cache.
+  const LaneScorer<kModel> scorer(block, camera, table, rule);
+  const size_t n = hn::Lanes(D()), vectors = (block.particles + n - 1) / n;
+  std::vector<float> stored(vectors * StoredSums::kWords * n, 0.0f);
+  for (size_t s = 0; s < block.segments.size(); ++s)
+    for (size_t k = 0; k < vectors; ++k) {
+      float* state = &stored[k * StoredSums::kWords * n];
+      LaneSums sums = StoredSums::load(state);
+      scorer.add(s, k * n, &sums);
+      StoredSums::store(sums, state);
+    }
+  for (size_t p = 0; p < block.particles; ++p) {
+    const float* state = &stored[p / n * StoredSums::kWords * n + p % n];
+    results[p] = {static_cast<double>(state[2 * n]) + state[3 * n], state[5 * n], state[4 * n]};
+  }
 }
 
 void runKernelImpl(const KernelBlock& block, const KernelCamera& camera, const KernelTable& table,

@@ -7,23 +7,32 @@
 
 namespace edge_mcl {
 
-/// One block of work: particles that share a list of samples. Coordinates are relative to an
-/// origin near the cameras, so that single precision is enough.
+/// One block of work: particles and all the samples that any of them may see.
+///
+/// The samples of a segment lie on a straight line: a sample is centre + along * tangent. Centre
+/// and tangent go to the camera frame in double precision, once per particle and segment; what
+/// follows per sample is short, and single precision is enough.
 struct KernelBlock {
   struct Segment {
-    float tx, ty, tz;  // tangent, map axes
-    float weight;
-    uint32_t first, count;
+    double centre[3];   // map frame, metres
+    double tangent[3];  // map axes, unit
+    float radius;
+    uint32_t first;    // into along
+    uint32_t samples;  // bit i: sample i is seen from at least one cell
     bool ends_group;
   };
-  // Samples, structure of arrays.
-  std::vector<float> x, y, z;
+  const float* along = nullptr;  // of every sample of the model
   std::vector<Segment> segments;
-  // Particles: rotation map->camera (row-major, 9 planes) and translation (3 planes), padded to
-  // kLanePadding by copies of the last particle.
+  /// (segment, cell): low half, bit i: sample i is seen from the cell; high half: weight of the
+  /// segment there, of 65535.
+  std::vector<uint32_t> seen;
+  uint32_t cells = 0;
+  // Particles: cell; rotation map->camera (row-major, 9 planes) and translation (3 planes); padded
+  // to kLanePadding by copies of the last particle.
   static constexpr size_t kLanePadding = 16;
   size_t particles = 0;
-  std::vector<float> pose[12];
+  std::vector<int32_t> cell;
+  std::vector<double> pose[12];
 };
 
 struct KernelCamera {
@@ -31,13 +40,17 @@ struct KernelCamera {
   float last_x, last_y;  // width - 1, height - 1
   float max_radius2;
   float min_depth;
+  /// Inward unit normals of the four planes that bound the view, camera frame.
+  float plane[4][3];
   int distortion;  // DistortionModel
   float k[8];
 };
 
+/// See ScoreTable.
 struct KernelTable {
-  const uint32_t* words;
-  int width, height, bins;
+  const uint16_t* pairs;
+  int stride, rows, bins;
+  bool has_ignored;
   float scale, offset;
 };
 
@@ -45,8 +58,7 @@ struct KernelLineRule {
   bool paper;
   float inverse_saturation;
   float inverse_fade;
-  /// Robust model: focal length * sample step / correlation length; a sample weighs as much as
-  /// the pixels to its neighbour are new.
+  /// See spacingScale().
   float spacing_scale;
 };
 

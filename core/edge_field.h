@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "edge_mcl/core/image_edges.h"
+#include "edge_mcl/core/large_buffer.h"
 #include "edge_mcl/core/parameters.h"
 
 namespace edge_mcl {
@@ -48,7 +49,7 @@ class EdgeField {
   size_t plane() const { return static_cast<size_t>(width_) * height_; }
   int width_, height_, bins_;
   double search_length_;
-  std::vector<uint8_t> steps_;
+  LargeBuffer<uint8_t> steps_;
   std::vector<uint8_t> no_edge_;
   std::vector<double> step_length_;
   int clutter_rows_, clutter_columns_;

@@ -155,21 +155,25 @@ double automaticStep(double feature_length, double diagonal) {
 }
 
 void sampleLines(EdgeModel* model) {
-  size_t total = 0;
-  for (EdgeLine& line : model->lines) {
-    line.first_sample = static_cast<uint32_t>(total);
-    line.sample_count =
-        static_cast<uint32_t>(std::max(1.0, std::round(line.length() / model->sample_step)));
-    total += line.sample_count;
-  }
-  model->sample_position.reserve(total);
-  model->sample_line.reserve(total);
   for (uint32_t l = 0; l < model->lines.size(); ++l) {
     const EdgeLine& line = model->lines[l];
-    for (uint32_t s = 0; s < line.sample_count; ++s) {
-      const float t = (static_cast<float>(s) + 0.5f) / static_cast<float>(line.sample_count);
-      model->sample_position.push_back(line.start + t * (line.end - line.start));
-      model->sample_line.push_back(l);
+    const double length = line.length();
+    const auto count =
+        static_cast<uint32_t>(std::max(1.0, std::round(length / model->sample_step)));
+    const double step = length / count;
+    const auto at = [&](double sample) { return (sample + 0.5) * step; };  // from the start
+    for (uint32_t first = 0; first < count; first += EdgeSegment::kMaxSamples) {
+      EdgeSegment segment;
+      segment.line = l;
+      segment.first_sample = static_cast<uint32_t>(model->sample_along.size());
+      segment.sample_count = std::min(EdgeSegment::kMaxSamples, count - first);
+      const double middle = at(first + (segment.sample_count - 1) / 2.0);
+      segment.centre = line.start + static_cast<float>(middle) * line.tangent();
+      segment.radius =
+          static_cast<float>(0.5 * (segment.sample_count - 1) * step) * 1.0001f + 1e-5f;
+      for (uint32_t s = 0; s < segment.sample_count; ++s)
+        model->sample_along.push_back(static_cast<float>(at(first + s) - middle));
+      model->segments.push_back(segment);
     }
   }
 }

@@ -24,8 +24,6 @@ const char* edgeKindName(EdgeKind kind);
 struct EdgeLine {
   Eigen::Vector3f start, end;
   EdgeKind kind = EdgeKind::kCrease;
-  uint32_t first_sample = 0;
-  uint32_t sample_count = 0;
   /// The "line" of equations (2) and (3): a straight line, the pieces of one smooth curve (the rim
   /// of a column), or the short contour pieces of one smooth surface together.
   uint32_t group = 0;
@@ -39,17 +37,35 @@ struct EdgeLine {
   float length() const { return (end - start).norm(); }
 };
 
-/// Lines, ordered by group, and their samples, ordered by line.
+/// A run of at most kMaxSamples neighbouring samples of one line: the unit of visibility and of
+/// culling, so that a long wall can be culled piece by piece.
+struct EdgeSegment {
+  static constexpr uint32_t kMaxSamples = 16;
+  Eigen::Vector3f centre;  ///< map frame, metres
+  float radius = 0;        ///< of the sphere about the centre that holds all samples
+  uint32_t line = 0;       ///< index into EdgeModel::lines
+  uint32_t first_sample = 0;
+  uint32_t sample_count = 0;
+};
+
+/// Lines, ordered by group; segments, ordered by line; samples, ordered by segment.
 struct EdgeModel {
   std::vector<EdgeLine> lines;
-  std::vector<Eigen::Vector3f> sample_position;  ///< map frame, metres
-  std::vector<uint32_t> sample_line;             ///< index into lines
+  std::vector<EdgeSegment> segments;
+  /// Of every sample: metres from the centre of its segment along the tangent of its line.
+  std::vector<float> sample_along;
   uint32_t group_count = 0;
   double sample_step = 0;     ///< metres, as used
   double feature_length = 0;  ///< metres, without contours
   size_t merged_pieces = 0;   ///< collinear or duplicate pieces that became part of another line
 
   size_t countOf(EdgeKind kind) const;
+  /// Sample `i` of a segment, map frame, metres.
+  Eigen::Vector3d samplePosition(const EdgeSegment& segment, uint32_t i) const {
+    return segment.centre.cast<double>() +
+           static_cast<double>(sample_along[segment.first_sample + i]) *
+               lines[segment.line].tangent().cast<double>();
+  }
 };
 
 /// Finds the feature edges of a mesh, merges collinear pieces and samples them. Fills the

@@ -22,9 +22,9 @@ struct LikelihoodFrame {
 };
 
 /// Factor of a sample's weight: min(1, scale * (|a| + |b|)), with (a, b) the derivative of the
-/// (distorted) normalised image point by the position along the line, times the depth; divided by
-/// the depth in the robust model, where the product is the spacing of the samples in units of the
-/// correlation length. In the paper's model only edges seen almost end-on fade.
+/// pixel by the position along the line. In the robust model the product is the spacing of the
+/// samples in the image in units of the correlation length. In the paper's model the derivative
+/// is multiplied by the depth, so that only edges seen almost end-on fade.
 double spacingScale(const LikelihoodFrame& frame);
 
 /// What the image says of one pose.

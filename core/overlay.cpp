@@ -58,11 +58,14 @@ cv::Mat drawOverlay(const LocalizationMap& map, const PreparedImage& image,
   const float half_step = static_cast<float>(map.edges().sample_step) / 2;
   int counter = 0;
   for (const VisibleSet::Segment& segment : set.segments)
-    for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
+    for (uint32_t i = 0; i < EdgeSegment::kMaxSamples; ++i) {
+      if (!(segment.samples >> i & 1u)) continue;
       Eigen::Vector2d pixel, from, to;
       Eigen::Matrix<double, 2, 3> jacobian;
-      const Eigen::Vector3d p = camera_from_map * set.position[i].cast<double>();
-      const Eigen::Vector3d t = camera_from_map.linear() * segment.tangent.cast<double>();
+      const Eigen::Vector3d p =
+          camera_from_map * map.edges().samplePosition(set.edgeSegment(segment), i);
+      const Eigen::Vector3d t =
+          camera_from_map.linear() * set.line(segment).tangent().cast<double>();
       if (!camera.project(p, &pixel, &jacobian) || !camera.contains(pixel)) continue;
       if (camera.project(p - half_step * t, &from) && camera.project(p + half_step * t, &to) &&
           camera.contains(from) && camera.contains(to))

@@ -32,9 +32,10 @@ size_t inImage(const RefinementView& view, const Pose& pose) {
   size_t count = 0;
   for (const VisibleSet::Segment& segment : view.visible->segments) {
     Eigen::Vector2d pixel;
-    if (view.camera->project(camera_from_map * segment.centre.cast<double>(), &pixel) &&
+    const EdgeSegment& edge = view.visible->edgeSegment(segment);
+    if (view.camera->project(camera_from_map * edge.centre.cast<double>(), &pixel) &&
         view.camera->contains(pixel))
-      count += segment.count;
+      count += edge.sample_count;
   }
   return count;
 }
@@ -66,11 +67,14 @@ PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
   const double e = likelihood_.missing_edge;
   const double clutter_density = e / (2 * search_length);
   const double peak = (1 - e) / (std::sqrt(2 * M_PI) * sigma);
-  for (const VisibleSet::Segment& segment : set.segments) {
-    const Eigen::Vector3d tangent = camera_from_map.linear() * segment.tangent.cast<double>();
-    for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
-      if (phase++ % stride != 0) continue;
-      const Eigen::Vector3d p = camera_from_map * set.position[i].cast<double>();
+  for (size_t k = 0; k < set.segments.size(); ++k) {
+    const VisibleSet::Segment& segment = set.segments[k];
+    const EdgeSegment& edge = set.edgeSegment(segment);
+    const Eigen::Vector3d tangent =
+        camera_from_map.linear() * set.line(segment).tangent().cast<double>();
+    for (uint32_t i = 0; i < edge.sample_count; ++i) {
+      if (!(segment.samples >> i & 1u) || phase++ % stride != 0) continue;
+      const Eigen::Vector3d p = camera_from_map * set.model->samplePosition(edge, i);
       Eigen::Vector2d pixel;
       if (!camera.project(p, &pixel) || !camera.contains(pixel)) continue;
       const int x = static_cast<int>(std::lround(pixel.x()));
@@ -95,11 +99,12 @@ PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
       ++line.matched;
       const double residual = normal.dot(image.subPixel(hit.x, hit.y) - pixel);
       const double inlier = peak * std::exp(-residual * residual / (2 * sigma * sigma));
-      const double weight = segment.facing * inlier / (inlier + clutter_density) / (sigma * sigma);
+      const double weight =
+          VisibleSet::facingWeight(segment) * inlier / (inlier + clutter_density) / (sigma * sigma);
       line.h.noalias() += weight * row * row.transpose();
       line.g += weight * residual * row;
     }
-    if (!segment.ends_group) continue;
+    if (!set.endsGroup(k)) continue;
     // As in the robust likelihood, one line says at most as much as `line_saturation` samples.
     const double share = stride / (1 + stride * line.used / likelihood_.line_saturation);
     total.h += share * line.h;

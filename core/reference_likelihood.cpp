@@ -16,10 +16,10 @@ struct ProjectedSample {
 };
 
 ProjectedSample projectSample(const LikelihoodFrame& frame, const Pose& camera_from_map,
-                              const Eigen::Vector3f& position, const Eigen::Vector3f& tangent) {
+                              const Eigen::Vector3d& position, const Eigen::Vector3d& tangent) {
   ProjectedSample out;
-  const Eigen::Vector3d p = camera_from_map * position.cast<double>();
-  const Eigen::Vector3d t = camera_from_map.linear() * tangent.cast<double>();
+  const Eigen::Vector3d p = camera_from_map * position;
+  const Eigen::Vector3d t = camera_from_map.linear() * tangent;
   Eigen::Matrix<double, 2, 3> jacobian;
   if (!frame.camera.project(p, &out.pixel, &jacobian)) return out;
   if (!frame.camera.contains(out.pixel)) return out;
@@ -29,9 +29,8 @@ ProjectedSample projectSample(const LikelihoodFrame& frame, const Pose& camera_f
                 frame.camera.height - 1 - out.pixel.y()});
   const double fade =
       frame.params.border_fade > 0 ? std::min(1.0, border / frame.params.border_fade) : 1.0;
-  // Length of the projected unit tangent in normalised coordinates.
-  const double length =
-      std::abs(out.direction.x() / frame.camera.fx) + std::abs(out.direction.y() / frame.camera.fy);
+  // Of the projected unit tangent, pixels per metre.
+  const double length = std::abs(out.direction.x()) + std::abs(out.direction.y());
   const double by_depth = frame.params.model == LikelihoodModel::kPaper ? p.z() : 1;
   out.weight = fade * std::min(1.0, spacingScale(frame) * length * by_depth);
   out.valid = true;
@@ -45,12 +44,12 @@ bool tableScore(const ScoreTable& table, const ProjectedSample& sample, double* 
   const int x = std::min(static_cast<int>(sample.pixel.x()), table.width() - 2);
   const int y = std::min(static_cast<int>(sample.pixel.y()), table.height() - 2);
   const double fx = sample.pixel.x() - x, fy = sample.pixel.y() - y, fb = bin - std::floor(bin);
+  for (const int i : {0, 1, 2, 3})
+    if (table.code(bin_a, x + i % 2, y + i / 2) == 0) return false;
   const auto value = [&](int b) {
-    const uint32_t w = table.word(b, x, y);
-    const double a00 = w & 255u, a10 = w >> 8 & 255u, a01 = w >> 16 & 255u, a11 = w >> 24;
-    return (1 - fy) * ((1 - fx) * a00 + fx * a10) + fy * ((1 - fx) * a01 + fx * a11);
+    return (1 - fy) * ((1 - fx) * table.code(b, x, y) + fx * table.code(b, x + 1, y)) +
+           fy * ((1 - fx) * table.code(b, x, y + 1) + fx * table.code(b, x + 1, y + 1));
   };
-  if (table.word(bin_a, x, y) == 0) return false;
   *score = table.offset() + table.scale() * ((1 - fb) * value(bin_a) + fb * value(bin_b));
   return true;
 }
@@ -80,17 +79,22 @@ PoseScore sumLines(const LikelihoodFrame& frame, const VisibleSet& set, const Po
   const Pose camera_from_map = pose.inverse();
   LineSums line;
   double line_sum = 0, line_count = 0;
-  for (const VisibleSet::Segment& segment : set.segments) {
-    for (uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
+  for (size_t k = 0; k < set.segments.size(); ++k) {
+    const VisibleSet::Segment& segment = set.segments[k];
+    const EdgeSegment& edge = set.edgeSegment(segment);
+    const Eigen::Vector3d tangent = set.line(segment).tangent().cast<double>();
+    const double facing =
+        frame.params.model == LikelihoodModel::kRobust ? VisibleSet::facingWeight(segment) : 1.0;
+    for (uint32_t i = 0; i < edge.sample_count; ++i) {
+      if (!(segment.samples >> i & 1u)) continue;
       const ProjectedSample s =
-          projectSample(frame, camera_from_map, set.position[i], segment.tangent);
+          projectSample(frame, camera_from_map, set.model->samplePosition(edge, i), tangent);
       double score = 0;
-      const double facing = frame.params.model == LikelihoodModel::kRobust ? segment.facing : 1.0;
       if (!s.valid || !score_of(s, &score)) continue;
       line.score += facing * s.weight * score;
       line.weight += facing * s.weight;
     }
-    if (segment.ends_group) {
+    if (set.endsGroup(k)) {
       out.sample_weight += static_cast<float>(line.weight);
       closeLine(frame.params, &line, &line_sum, &line_count);
     }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace edge_mcl {
 
@@ -70,7 +71,9 @@ ScoreTable::ScoreTable(const EdgeField& field, const LikelihoodParameters& param
     : width_(field.width()),
       height_(field.height()),
       bins_(field.bins()),
-      words_(static_cast<size_t>(bins_) * width_ * height_) {
+      has_ignored_(!field.ignore().empty()),
+      // One more element: the kernels read two neighbours at once, beyond the last column too.
+      pairs_(static_cast<size_t>(bins_) * rows() * stride() + 1) {
   // In the paper's model clutter plays no part.
   const int levels = params.model == LikelihoodModel::kPaper ? 1 : kLevels;
   std::vector<double> score_of(static_cast<size_t>(bins_) * levels * 256);
@@ -100,47 +103,41 @@ ScoreTable::ScoreTable(const EdgeField& field, const LikelihoodParameters& param
   scale_ = static_cast<float>(scale);
   offset_ = static_cast<float>(lowest - scale);
 
+  LargeBuffer<uint8_t> codes(static_cast<size_t>(bins_) * rows() * stride());
+  const size_t plane = static_cast<size_t>(rows()) * stride();
+  pairs_[bins_ * plane] = 0;
   tbb::parallel_for(0, bins_, [&](int b) {
     std::vector<std::array<uint8_t, 256>> code(levels);
     for (int level = 0; level < levels; ++level)
       for (int s = 0; s <= field.noEdge(b); ++s)
         code[level][s] =
             static_cast<uint8_t>(1 + std::lround((scoreOf(b, s, level) - lowest) / scale));
-    const auto codeAt = [&](int x, int y) {
-      return code[levels == 1 ? 0 : levelOfDensity(field.clutter(b, x, y))].data();
-    };
     constexpr int kCell = EdgeField::kClutterCell;
     std::vector<const uint8_t*> code_of_cell((width_ + kCell - 1) / kCell);
-    std::vector<uint8_t> upper(width_ + 1), lower(width_ + 1);
-    const auto fill = [&](int y, std::vector<uint8_t>* row) {
+    for (int y = 0; y < height_; ++y) {
       if (y % kCell == 0)
         for (size_t c = 0; c < code_of_cell.size(); ++c)
-          code_of_cell[c] = codeAt(static_cast<int>(c) * kCell, y);
+          code_of_cell[c] =
+              code[levels == 1 ? 0
+                               : levelOfDensity(field.clutter(b, static_cast<int>(c) * kCell, y))]
+                  .data();
+      uint8_t* row = &codes[b * plane + static_cast<size_t>(y) * stride()];
       const uint8_t* steps = field.steps(b) + static_cast<size_t>(y) * width_;
-      for (int x = 0; x < width_; ++x) (*row)[x] = code_of_cell[x / kCell][steps[x]];
-      (*row)[width_] = (*row)[width_ - 1];
-      if (!field.ignore().empty()) {
+      for (int x = 0; x < width_; ++x) row[x] = code_of_cell[x / kCell][steps[x]];
+      if (has_ignored_) {
         const uint8_t* ignored = field.ignore().ptr<uint8_t>(y);
         for (int x = 0; x < width_; ++x)
-          if (ignored[x]) (*row)[x] = 0;
+          if (ignored[x]) row[x] = 0;
       }
-    };
-    fill(0, &upper);
-    for (int y = 0; y < height_; ++y) {
-      if (y + 1 < height_)
-        fill(y + 1, &lower);
-      else
-        lower = upper;
-      uint32_t* out = &words_[(static_cast<size_t>(b) * height_ + y) * width_];
-      const uint8_t *u = upper.data(), *l = lower.data();
-      for (int x = 0; x < width_; ++x)
-        out[x] = static_cast<uint32_t>(u[x]) | static_cast<uint32_t>(u[x + 1]) << 8 |
-                 static_cast<uint32_t>(l[x]) << 16 | static_cast<uint32_t>(l[x + 1]) << 24;
-      if (!field.ignore().empty())
-        for (int x = 0; x < width_; ++x)
-          if (!u[x] || !u[x + 1] || !l[x] || !l[x + 1]) out[x] = 0;
-      std::swap(upper, lower);
+      row[width_] = row[width_ - 1];
     }
+    const uint8_t* last = &codes[b * plane + static_cast<size_t>(height_ - 1) * stride()];
+    std::copy(last, last + stride(), &codes[b * plane + static_cast<size_t>(height_) * stride()]);
+  });
+  tbb::parallel_for(0, bins_, [&](int b) {
+    const uint8_t *here = &codes[b * plane], *next = &codes[(b + 1) % bins_ * plane];
+    uint16_t* out = &pairs_[b * plane];
+    for (size_t i = 0; i < plane; ++i) out[i] = static_cast<uint16_t>(here[i] | next[i] << 8);
   });
 }
 

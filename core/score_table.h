@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "edge_mcl/core/camera_model.h"
 #include "edge_mcl/core/edge_field.h"
+#include "edge_mcl/core/large_buffer.h"
 #include "edge_mcl/core/parameters.h"
 
 namespace edge_mcl {
@@ -29,8 +29,9 @@ double meanLogRatioByChance(const LikelihoodParameters& params, double clutter,
 /// nothing of its clutter, a full one has at most an edge every few pixels.
 double usableClutter(double density);
 
-/// Scores as bytes, four neighbours in one word: (x,y), (x+1,y), (x,y+1), (x+1,y+1) from the low
-/// byte up. 1..255 are linear between lowest and highest score; a word of 0 means: ignored.
+/// Scores as bytes, 1..255 linear between lowest and highest score; 0 marks ignored pixels, in
+/// every bin. A bin and the next one (cyclic) are stored side by side, as the kernels interpolate
+/// between them; a row and a column more than the image has spare them the border.
 class ScoreTable {
  public:
   ScoreTable(const EdgeField& field, const LikelihoodParameters& params);
@@ -38,18 +39,24 @@ class ScoreTable {
   int width() const { return width_; }
   int height() const { return height_; }
   int bins() const { return bins_; }
-  const uint32_t* words() const { return words_.data(); }
-  uint32_t word(int bin, int x, int y) const {
-    return words_[(static_cast<size_t>(bin) * height_ + y) * width_ + x];
+  /// Row-major (bin, y, x), rows of stride() elements, bins of rows() rows; low byte: score in this
+  /// bin, high byte: score in the next.
+  const uint16_t* pairs() const { return pairs_.data(); }
+  int stride() const { return width_ + 1; }
+  int rows() const { return height_ + 1; }
+  uint8_t code(int bin, int x, int y) const {
+    return static_cast<uint8_t>(pairs_[(static_cast<size_t>(bin) * rows() + y) * stride() + x]);
   }
+  bool hasIgnored() const { return has_ignored_; }
   /// score = offset + scale * byte.
   float scale() const { return scale_; }
   float offset() const { return offset_; }
 
  private:
   int width_, height_, bins_;
+  bool has_ignored_;
   float scale_ = 1, offset_ = 0;
-  std::vector<uint32_t> words_;
+  LargeBuffer<uint16_t> pairs_;
 };
 
 }  // namespace edge_mcl

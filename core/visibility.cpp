@@ -118,25 +118,6 @@ float facingWeight(const EdgeLine& line, const Eigen::Vector3f& at, const Eigen:
   return std::min(1.0f, width / kFullView);
 }
 
-/// Short segments, so that a long wall can be culled piece by piece.
-void appendSegments(const EdgeLine& line, uint32_t line_index, const Eigen::Vector3f& eye,
-                    size_t first, VisibleSet* set) {
-  constexpr size_t kSegmentSamples = 16;
-  for (size_t i = first; i < set->position.size(); i += kSegmentSamples) {
-    VisibleSet::Segment segment;
-    segment.first = static_cast<uint32_t>(i);
-    segment.count = static_cast<uint32_t>(std::min(kSegmentSamples, set->position.size() - i));
-    segment.tangent = line.tangent();
-    segment.line = line_index;
-    const Eigen::Vector3f& a = set->position[i];
-    const Eigen::Vector3f& b = set->position[i + segment.count - 1];
-    segment.centre = 0.5f * (a + b);
-    segment.radius = 0.5f * (b - a).norm() * 1.0001f + 1e-5f;
-    segment.facing = facingWeight(line, segment.centre, eye);
-    set->segments.push_back(segment);
-  }
-}
-
 }  // namespace
 
 Visibility::Visibility(const MeshModel& mesh, const EdgeModel& model,
@@ -153,29 +134,30 @@ Visibility::~Visibility() = default;
 
 VisibleSet Visibility::exact(const Eigen::Vector3d& position) const {
   VisibleSet result;
+  result.model = &model_;
   const Eigen::Vector3f eye = position.cast<float>();
-  uint32_t open_group = std::numeric_limits<uint32_t>::max();
-  for (uint32_t l = 0; l < model_.lines.size(); ++l) {
-    const EdgeLine& line = model_.lines[l];
+  for (uint32_t k = 0; k < model_.segments.size(); ++k) {
+    const EdgeSegment& segment = model_.segments[k];
+    const EdgeLine& line = model_.lines[segment.line];
     if (line.kind == EdgeKind::kContour) {
       const Eigen::Vector3f to_eye = eye - line.start;
       if ((line.normal_a.dot(to_eye) > 0) == (line.normal_b.dot(to_eye) > 0)) continue;
     }
-    const size_t before = result.position.size();
-    for (uint32_t s = 0; s < line.sample_count; ++s) {
-      const Eigen::Vector3f& sample = model_.sample_position[line.first_sample + s];
-      if (!scene_->blocked(eye, sample, static_cast<float>(tolerance_)))
-        result.position.push_back(sample);
-    }
-    if (result.position.size() == before) continue;
-    if (line.group != open_group) {
-      if (!result.segments.empty()) result.segments.back().ends_group = true;
-      open_group = line.group;
+    VisibleSet::Segment seen;
+    seen.index = k;
+    for (uint32_t i = 0; i < segment.sample_count; ++i)
+      if (!scene_->blocked(eye, model_.samplePosition(segment, i).cast<float>(),
+                           static_cast<float>(tolerance_))) {
+        seen.samples |= static_cast<uint16_t>(1u << i);
+        ++result.sample_count;
+      }
+    if (!seen.samples) continue;
+    seen.facing =
+        static_cast<uint16_t>(std::lround(65535 * facingWeight(line, segment.centre, eye)));
+    if (result.segments.empty() || result.line(result.segments.back()).group != line.group)
       ++result.group_count;
-    }
-    appendSegments(line, l, eye, before, &result);
+    result.segments.push_back(seen);
   }
-  if (!result.segments.empty()) result.segments.back().ends_group = true;
   return result;
 }
 

@@ -14,25 +14,30 @@
 
 namespace edge_mcl {
 
-/// Visible samples as structure of arrays, ready for the likelihood kernels.
-/// Samples are ordered; a *segment* is a run of one EdgeLine (one tangent), a *group* a run of
-/// segments (one line of equation 2).
+/// What can be seen of an edge model from one place: which of its segments, and which samples of
+/// them. Refers to the model.
 struct VisibleSet {
   struct Segment {
-    Eigen::Vector3f tangent;
-    Eigen::Vector3f centre;  ///< of the bounding sphere of its samples, map frame
-    float radius = 0;
-    /// 1 for a line at a face in full view, falling to 0 as the face turns edge-on: then its far
-    /// edge cannot be told from its near one in the image. Robust model only.
-    float facing = 1;
-    uint32_t first = 0, count = 0;
-    bool ends_group = false;
-    uint32_t line = 0;  ///< index into EdgeModel::lines
+    uint32_t index = 0;    ///< into EdgeModel::segments
+    uint16_t samples = 0;  ///< bit i: sample i of the segment is visible; at least one is
+    uint16_t facing = 0;   ///< see facingWeight, in units of 1/65535
   };
-  std::vector<Eigen::Vector3f> position;  ///< map frame
-  std::vector<Segment> segments;
+  const EdgeModel* model = nullptr;
+  std::vector<Segment> segments;  ///< ascending by index, so that lines and groups are in sequence
   uint32_t group_count = 0;
+  size_t sample_count = 0;
+
+  const EdgeSegment& edgeSegment(const Segment& s) const { return model->segments[s.index]; }
+  const EdgeLine& line(const Segment& s) const { return model->lines[edgeSegment(s).line]; }
+  /// Whether segment number k is the last of its group (line of equation 2).
+  bool endsGroup(size_t k) const {
+    return k + 1 == segments.size() || line(segments[k]).group != line(segments[k + 1]).group;
+  }
+  /// 1 for a line at a face in full view, falling to 0 as the face turns edge-on: then its far
+  /// edge cannot be told from its near one in the image. Robust model only.
+  static double facingWeight(const Segment& s) { return s.facing / 65535.0; }
 };
+static_assert(EdgeSegment::kMaxSamples <= 16, "one bit per sample");
 
 /// Key of a cell of space.
 struct CellKey {

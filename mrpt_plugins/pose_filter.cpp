@@ -198,7 +198,7 @@ bool PoseFilter::spreadBeyondNormals(const LocalizationMap& map,
     std::vector<double> depths;
     for (const VisibleSet::Segment& s : set->segments) {
       Eigen::Vector2d pixel;
-      const Eigen::Vector3d p = camera_pose.inverse() * s.centre.cast<double>();
+      const Eigen::Vector3d p = camera_pose.inverse() * set->edgeSegment(s).centre.cast<double>();
       if (camera.project(p, &pixel) && camera.contains(pixel)) depths.push_back(p.z());
     }
     if (depths.empty()) continue;

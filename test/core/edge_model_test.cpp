@@ -26,11 +26,22 @@ TEST(EdgeModel, ABoxHasTwelveCreases) {
   EXPECT_EQ(edges.lines.size(), 12u);
   EXPECT_EQ(edges.group_count, 12u);
   EXPECT_NEAR(edges.feature_length, 4 * (1 + 2 + 3), 1e-4);
-  for (size_t i = 0; i < edges.sample_position.size(); ++i) {
-    const EdgeLine& line = edges.lines[edges.sample_line[i]];
-    const Eigen::Vector3f d = edges.sample_position[i] - line.start;
-    EXPECT_LT(d.cross(line.tangent()).norm(), 1e-5f);
+  // Samples sit in the middles of equal parts of their lines.
+  std::vector<uint32_t> seen(edges.lines.size());
+  for (const EdgeSegment& segment : edges.segments) {
+    const EdgeLine& line = edges.lines[segment.line];
+    const double parts = std::round(line.length() / edges.sample_step);
+    for (uint32_t i = 0; i < segment.sample_count; ++i) {
+      const double share = (seen[segment.line]++ + 0.5) / parts;
+      const Eigen::Vector3d expected =
+          ((1 - share) * line.start.cast<double>() + share * line.end.cast<double>());
+      EXPECT_LT((edges.samplePosition(segment, i) - expected).norm(), 1e-6);
+      EXPECT_LE((edges.samplePosition(segment, i) - segment.centre.cast<double>()).norm(),
+                segment.radius);
+    }
   }
+  for (size_t l = 0; l < seen.size(); ++l)
+    EXPECT_EQ(seen[l], std::round(edges.lines[l].length() / edges.sample_step));
 }
 
 TEST(EdgeModel, SubdividedEdgesBecomeOneLine) {
@@ -100,9 +111,10 @@ TEST(EdgeModel, AColumnShowsTwoOutlinesFromEverySide) {
     std::vector<Eigen::Vector3d> outlines;
     uint32_t last = 0xffffffffu;
     for (const auto& s : set.segments)
-      if (edges.lines[s.line].kind == EdgeKind::kContour && s.line != last) {
-        last = s.line;
-        outlines.push_back(edges.lines[s.line].start.cast<double>());
+      if (const uint32_t l = edges.segments[s.index].line;
+          edges.lines[l].kind == EdgeKind::kContour && l != last) {
+        last = l;
+        outlines.push_back(edges.lines[l].start.cast<double>());
       }
     ASSERT_EQ(outlines.size(), 2u) << "from " << eye.transpose();
     for (const auto& o : outlines) {

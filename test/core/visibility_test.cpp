@@ -44,8 +44,10 @@ TEST(Visibility, CachedAgreesWithExactRays) {
       continue;
     ++poses;
     const auto keys = [](const VisibleSet& set) {
-      std::set<std::tuple<float, float, float>> result;
-      for (const auto& q : set.position) result.insert({q.x(), q.y(), q.z()});
+      std::set<std::pair<uint32_t, uint32_t>> result;
+      for (const auto& s : set.segments)
+        for (uint32_t i = 0; i < EdgeSegment::kMaxSamples; ++i)
+          if (s.samples >> i & 1u) result.insert({s.index, i});
       return result;
     };
     const auto exact = keys(visibility.exact(p));
@@ -74,12 +76,12 @@ TEST(Visibility, TheCacheIsBoundedAndServesManyThreads) {
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&, t] {
       for (int i = 0; i < 50; ++i)
-        sizes[t * 50 + i] = visibility.cached({10 + i % 12, 10, 10})->position.size();
+        sizes[t * 50 + i] = visibility.cached({10 + i % 12, 10, 10})->sample_count;
     });
   for (auto& thread : threads) thread.join();
   for (int i = 0; i < 200; ++i)
     EXPECT_EQ(sizes[i],
-              visibility.exact(visibility.cellCentre({10 + i % 50 % 12, 10, 10})).position.size());
+              visibility.exact(visibility.cellCentre({10 + i % 50 % 12, 10, 10})).sample_count);
   EXPECT_LE(visibility.statistics().cells, 8u);
   EXPECT_GT(visibility.statistics().dropped, 0u);
 }
