@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/guarded_file_system.h"
 #include "edge_mcl/core/mesh_model.h"
 
 namespace edge_mcl {
@@ -85,6 +86,7 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   MeshSoup soup;
   {
     Assimp::Importer importer;
+    importer.SetIOHandler(new GuardedFileSystem);  // the importer deletes it
     // Comments, colours and texture coordinates are not needed; faces become triangles, but line
     // elements stay.
     const aiScene* scene = nullptr;

@@ -5,6 +5,7 @@ usage: stock_pf_localization.py EDGE_MCL PLUGIN_LIBRARY INI_TEMPLATE SEQUENCE
 
 Exit code 77 (skipped) when pf-localization or the sequence is missing.
 """
+import glob
 import math
 import os
 import re
@@ -59,8 +60,10 @@ def main():
             f.write(text)
         run = subprocess.run(['pf-localization', ini, rawlog], capture_output=True, text=True,
                              env=dict(os.environ, LD_PRELOAD=plugin), timeout=900)
-        particles = os.path.join(folder, 'log_000_0001500', 'particles')
-        if run.returncode != 0 or not os.path.isdir(particles):
+        # One folder for each experiment and number of particles.
+        logs = glob.glob(os.path.join(folder, 'log_*', 'particles'))
+        particles = logs[0] if logs else folder
+        if run.returncode != 0 or not logs:
             print(run.stdout[-3000:], run.stderr[-3000:])
             return 1
         if os.environ.get('EDGE_MCL_TEST_VERBOSE'):

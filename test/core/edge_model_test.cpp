@@ -167,6 +167,9 @@ TEST(EdgeModel, BadModelFilesAreOneLineErrors) {
   expectError(writeFile("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n"));
   expectError(writeFile("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"));
   expectError(writeFile("truncated.stl", std::string("solid\0", 6) + std::string(90, 'x')));
+  // Without an end of the header assimp's reader would wait for it for ever.
+  expectError(
+      writeFile("endless.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n0\n"));
   expectError(testing::TempDir());
 }
 
