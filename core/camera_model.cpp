@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <vector>
@@ -196,10 +197,9 @@ CameraModel CameraModel::fromFields(int width, int height, const std::array<doub
     throw InputError(origin + ": distortion_model '" + distortion_model +
                      "' is unknown (plumb_bob, rational_polynomial, equidistant)");
   }
-  for (size_t i = most; i < d_size; ++i)
-    if (d[i] != 0)
-      throw InputError(origin + ": " + std::to_string(d_size) + " distortion coefficients, " +
-                       distortion_model + " has " + std::to_string(most));
+  if (std::any_of(d + std::min(most, d_size), d + d_size, [](double c) { return c != 0; }))
+    throw InputError(origin + ": " + std::to_string(d_size) + " distortion coefficients, " +
+                     distortion_model + " has " + std::to_string(most));
   for (size_t i = 0; i < std::min(most, d_size); ++i) camera.coefficients[i] = d[i];
   if (distortion_model == "none" || distortion_model.empty()) camera.coefficients.fill(0);
   if (k[1] != 0 || k[8] != 1)

@@ -16,8 +16,36 @@ namespace edge_mcl {
 
 namespace {
 
+/// assimp's triangulation takes indices as they come and ends the process where a mesh has
+/// empty faces but no polygons.
+/// @return number of empty faces, which are taken out.
+size_t prepareForTriangulation(aiScene* scene, const std::string& origin) {
+  size_t empty = 0;
+  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+    aiMesh& mesh = *scene->mMeshes[m];
+    unsigned kept = 0, types = 0;
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      for (unsigned k = 0; k < face.mNumIndices; ++k)
+        if (face.mIndices[k] >= mesh.mNumVertices)
+          throw InputError(origin + ": a face refers to a vertex that does not exist");
+      if (face.mNumIndices == 0) continue;
+      types |= face.mNumIndices == 1   ? aiPrimitiveType_POINT
+               : face.mNumIndices == 2 ? aiPrimitiveType_LINE
+               : face.mNumIndices == 3 ? aiPrimitiveType_TRIANGLE
+                                       : aiPrimitiveType_POLYGON;
+      if (kept != i) mesh.mFaces[kept] = face;
+      ++kept;
+    }
+    empty += mesh.mNumFaces - kept;
+    mesh.mNumFaces = kept;
+    mesh.mPrimitiveTypes = types;  // an empty face counts as a polygon there
+  }
+  return empty;
+}
+
 void appendMesh(const aiMesh& mesh, const aiMatrix4x4& to_root, const Eigen::Affine3d& to_map,
-                const std::string& origin, MeshSoup* soup) {
+                MeshSoup* soup) {
   const auto offset = static_cast<uint32_t>(soup->vertices.size());
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const aiVector3D v = to_root * mesh.mVertices[i];
@@ -25,9 +53,6 @@ void appendMesh(const aiMesh& mesh, const aiMatrix4x4& to_root, const Eigen::Aff
   }
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const aiFace& face = mesh.mFaces[i];
-    for (unsigned k = 0; k < face.mNumIndices; ++k)
-      if (face.mIndices[k] >= mesh.mNumVertices)
-        throw InputError(origin + ": a face refers to a vertex that does not exist");
     if (face.mNumIndices == 2) {
       soup->lines.push_back({offset + face.mIndices[0], offset + face.mIndices[1]});
     } else if (face.mNumIndices == 3) {
@@ -39,13 +64,13 @@ void appendMesh(const aiMesh& mesh, const aiMatrix4x4& to_root, const Eigen::Aff
 }
 
 void appendNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent,
-                const Eigen::Affine3d& to_map, const std::string& origin, MeshSoup* soup) {
+                const Eigen::Affine3d& to_map, MeshSoup* soup) {
   const aiMatrix4x4 to_root = parent * node.mTransformation;
   for (unsigned i = 0; i < node.mNumMeshes; ++i)
     if (node.mMeshes[i] < scene.mNumMeshes)
-      appendMesh(*scene.mMeshes[node.mMeshes[i]], to_root, to_map, origin, soup);
+      appendMesh(*scene.mMeshes[node.mMeshes[i]], to_root, to_map, soup);
   for (unsigned i = 0; i < node.mNumChildren; ++i)
-    appendNode(scene, *node.mChildren[i], to_root, to_map, origin, soup);
+    appendNode(scene, *node.mChildren[i], to_root, to_map, soup);
 }
 
 Eigen::Affine3d mapTransform(const MapParameters& params) {
@@ -84,6 +109,7 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   if (std::filesystem::is_directory(file, ignored)) throw InputError(file + ": is a directory");
   if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
   MeshSoup soup;
+  size_t empty_faces = 0;
   {
     Assimp::Importer importer;
     importer.SetIOHandler(new GuardedFileSystem);  // the importer deletes it
@@ -91,14 +117,21 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
     // elements stay.
     const aiScene* scene = nullptr;
     try {
-      scene = importer.ReadFile(file, aiProcess_Triangulate);
+      scene = importer.ReadFile(file, 0);
+      if (scene) {
+        // The scene belongs to the importer, which hands it out for reading only.
+        empty_faces = prepareForTriangulation(const_cast<aiScene*>(scene), file);
+        scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+      }
+    } catch (const InputError&) {
+      throw;
     } catch (const std::exception& e) {
       throw InputError(file + ": not readable as a 3D model: " + e.what());
     }
     if (!scene || !scene->mRootNode)
       throw InputError(file + ": not readable as a 3D model: " + importer.GetErrorString());
     soup.material_count = std::max(1u, scene->mNumMaterials);
-    appendNode(*scene, *scene->mRootNode, aiMatrix4x4(), mapTransform(params), file, &soup);
+    appendNode(*scene, *scene->mRootNode, aiMatrix4x4(), mapTransform(params), &soup);
   }
   if (soup.vertices.empty()) throw InputError(file + ": no vertices in it");
   double tolerance = params.weld_tolerance;
@@ -112,6 +145,7 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
     tolerance = std::isfinite(diagonal) ? std::clamp(1e-6 * diagonal, 1e-7, 1e-4) : 1e-7;
   }
   MeshModel mesh = weldMesh(std::move(soup), tolerance, file);
+  mesh.report.degenerate_triangles += empty_faces;
   addScaleWarnings(&mesh);
   return mesh;
 }

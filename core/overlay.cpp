@@ -166,6 +166,7 @@ class Panel {
   }
   void curve(const std::vector<Eigen::Vector2d>& points, const cv::Scalar& colour, int thickness) {
     std::vector<cv::Point> pixels;
+    pixels.reserve(points.size());
     for (const auto& p : points)
       pixels.emplace_back(
           inner_.x + static_cast<int>((p.x() - low_.x()) / (high_.x() - low_.x()) * inner_.width),

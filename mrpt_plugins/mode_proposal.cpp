@@ -90,6 +90,7 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
     refined[i] = map.refine(views, chosen[i], predictive.componentOf(chosen[i]));
   });
   std::vector<Pose> poses;
+  poses.reserve(refined.size());
   for (const RefinementResult& r : refined) poses.push_back(r.pose);
   const std::vector<PoseScore> at_modes = map.evaluate(views, poses);
   std::vector<double> posterior(poses.size());

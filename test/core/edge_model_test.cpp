@@ -12,7 +12,7 @@ namespace edge_mcl {
 namespace {
 
 std::string writeFile(const std::string& name, const std::string& text) {
-  const std::string file = testing::TempDir() + name;
+  std::string file = testing::TempDir() + name;
   std::ofstream(file) << text;
   return file;
 }
@@ -171,6 +171,17 @@ TEST(EdgeModel, BadModelFilesAreOneLineErrors) {
   expectError(
       writeFile("endless.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n0\n"));
   expectError(testing::TempDir());
+}
+
+TEST(MeshLoader, AFaceWithoutVerticesIsDropped) {
+  const MeshModel mesh = loadMesh(
+      writeFile("empty_face.ply",
+                "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                "property float z\nelement face 3\nproperty list uchar int vertex_indices\n"
+                "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0\n3 0 1 2\n3 0 2 3\n"),
+      {});
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.report.degenerate_triangles, 1u);
 }
 
 }  // namespace
