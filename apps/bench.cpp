@@ -49,6 +49,7 @@ std::vector<double> wholeUpdates(const LocalizationMap& map, const Sequence& seq
                                  size_t most) {
   SequenceLocalizer localizer(map, sequence, true);
   std::vector<double> ms;
+  ms.reserve(most);
   for (size_t i = 0; i < std::min(most, sequence.frames.size()); ++i) {
     const FrameResult r = localizer.step();
     if (r.updated)

@@ -1,9 +1,12 @@
 // Reading mesh files through assimp.
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +14,7 @@
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/guarded_file_system.h"
 #include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/ply_header.h"
 
 namespace edge_mcl {
 
@@ -84,6 +88,14 @@ Eigen::Affine3d mapTransform(const MapParameters& params) {
   return transform;
 }
 
+/// Coordinates are kept as they are in the file. For IFC, where z is up, assimp turns them so that
+/// y is up; this turns them back.
+Eigen::Affine3d fileAxes(const std::string& extension) {
+  Eigen::Affine3d turn = Eigen::Affine3d::Identity();
+  if (extension == ".ifc" || extension == ".ifczip") turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  return turn;
+}
+
 void addScaleWarnings(MeshModel* mesh) {
   const double diagonal = mesh->diagonal();
   if (diagonal > 2000)
@@ -108,10 +120,15 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) throw InputError(file + ": is a directory");
   if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
+  std::string extension = std::filesystem::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".ply") checkPlyHeader(file);
   MeshSoup soup;
   size_t empty_faces = 0;
   {
     Assimp::Importer importer;
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
     importer.SetIOHandler(new GuardedFileSystem);  // the importer deletes it
     // Comments, colours and texture coordinates are not needed; faces become triangles, but line
     // elements stay.
@@ -131,7 +148,8 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
     if (!scene || !scene->mRootNode)
       throw InputError(file + ": not readable as a 3D model: " + importer.GetErrorString());
     soup.material_count = std::max(1u, scene->mNumMaterials);
-    appendNode(*scene, *scene->mRootNode, aiMatrix4x4(), mapTransform(params), &soup);
+    appendNode(*scene, *scene->mRootNode, aiMatrix4x4(), mapTransform(params) * fileAxes(extension),
+               &soup);
   }
   if (soup.vertices.empty()) throw InputError(file + ": no vertices in it");
   double tolerance = params.weld_tolerance;

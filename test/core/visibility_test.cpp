@@ -72,6 +72,7 @@ TEST(Visibility, TheCacheIsBoundedAndServesManyThreads) {
   params.cache_cells = 8;
   const Visibility visibility(mesh, edges, params);
   std::vector<std::thread> threads;
+  threads.reserve(4);
   std::vector<size_t> sizes(4 * 50);
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&, t] {

@@ -1,0 +1,72 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/mesh_model.h"
+
+namespace edge_mcl {
+namespace {
+
+std::string writeFile(const std::string& name, const std::string& text) {
+  std::string file = testing::TempDir() + name;
+  std::ofstream(file) << text;
+  return file;
+}
+
+TEST(EdgeModel, BadModelFilesAreOneLineErrors) {
+  const auto expectError = [](const std::string& file) {
+    try {
+      loadMesh(file, {});
+      FAIL() << file << ": no error";
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find(file), std::string::npos) << e.what();
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+    }
+  };
+  expectError("/does/not/exist.obj");
+  expectError(writeFile("empty.obj", ""));
+  expectError(writeFile("text.obj", "this is no model\n"));
+  expectError(writeFile("points.obj", "v 0 0 0\nv 1 1 1\n"));
+  expectError(writeFile("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+  expectError(writeFile("absurd.obj", "v 1e30 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+  expectError(writeFile("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n"));
+  expectError(writeFile("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"));
+  expectError(writeFile("truncated.stl", std::string("solid\0", 6) + std::string(90, 'x')));
+  // Without an end of the header assimp's reader would wait for it for ever.
+  expectError(
+      writeFile("endless.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n0\n"));
+  expectError(writeFile("broken_header.ply", std::string("ply\nformat ascii 1.0\nel\0eme", 27)));
+  expectError(writeFile("wrong_type.ply",
+                        "ply\nformat ascii 1.0\nelement vertex 1\n"
+                        "property real x\nend_header\n0\n"));
+  expectError(testing::TempDir());
+}
+
+TEST(MeshLoader, AFaceWithoutVerticesIsDropped) {
+  const MeshModel mesh = loadMesh(
+      writeFile("empty_face.ply",
+                "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                "property float z\nelement face 3\nproperty list uchar int vertex_indices\n"
+                "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0\n3 0 1 2\n3 0 2 3\n"),
+      {});
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.report.degenerate_triangles, 1u);
+}
+
+/// Files are in test/data.
+MeshModel sample(const std::string& name) { return loadMesh(EDGE_MCL_TEST_DATA + name, {}); }
+
+/// Coordinates are those of the file, z up, though assimp prefers y up.
+TEST(MeshLoader, BuildingModelsKeepTheirAxes) {
+  const MeshModel box = sample("box.ifc");  // 4 x 3 m, 2.5 m high, standing on z = 0
+  EXPECT_EQ(box.triangles.size(), 12u);
+  EXPECT_LT((box.lowest - Eigen::Vector3f(-2, -1.5f, 0)).norm(), 1e-5f);
+  EXPECT_LT((box.highest - Eigen::Vector3f(2, 1.5f, 2.5f)).norm(), 1e-5f);
+  const MeshModel triangle = sample("z_up.dae");  // (0 0 0) (2 0 0) (0 1 3)
+  EXPECT_LT((triangle.highest - Eigen::Vector3f(2, 1, 3)).norm(), 1e-5f);
+}
+
+}  // namespace
+}  // namespace edge_mcl
