@@ -12,6 +12,7 @@
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/sequence.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
+#include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
 #include "progress_bar.h"
 
@@ -68,7 +69,8 @@ int run(const BasinOptions& o) {
   const Sequence sequence = readSequence(o.sequence);
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty()) throw InputError(o.sequence + ": no model.obj in it; use --model");
-  const LocalizationMap map(model, params);
+  LocalizationMap map(model, params);
+  chooseBackend(&map);
   std::vector<double> position, angle;
   size_t good = 0, total = 0;
   nlohmann::json images = nlohmann::json::array();

@@ -14,6 +14,8 @@
 #include "edge_mcl/core/reference_likelihood.h"
 #include "edge_mcl/core/sequence.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
+#include "edge_mcl/gpu/workload_export.h"
+#include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/sequence_localizer.h"
 
 namespace edge_mcl {
@@ -21,7 +23,7 @@ namespace edge_mcl {
 namespace {
 
 struct BenchOptions {
-  std::string sequence, model;
+  std::string sequence, model, dump_workload;
   size_t image = 0, plain_particles = 100, updates = 60;
   int repeats = 15;
   double spread_position = 0.05, spread_angle_deg = 2;
@@ -71,7 +73,9 @@ int run(const BenchOptions& o) {
   if (o.image >= sequence.frames.size()) throw ParameterError("--image: no such image");
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty()) throw InputError(o.sequence + ": no model.obj in it; use --model");
-  const LocalizationMap map(model, params);
+  LocalizationMap map(model, params);
+  chooseBackend(&map);
+  const CpuBackend cpu(map.sharedVisibility());
   const SequenceFrame& frame = sequence.frames[o.image];
   const cv::Mat picture = readImage(frame.image_file, sequence.camera);
   const Pose centre = frame.ground_truth.value_or(sequence.initial_pose);
@@ -94,7 +98,8 @@ int run(const BenchOptions& o) {
     work();
   };
   image = map.prepare(sequence.camera, picture, {}, frame.image_file);
-  map.backend().evaluate(image->frame, poses);  // fills the visibility cache
+  const std::vector<PoseScore> reference =
+      cpu.evaluate(image->frame, poses);  // fills the visibility cache
   LikelihoodFrame paper = image->frame;
   paper.params.model = LikelihoodModel::kPaper;
   // The contenders take turns, so that a drifting clock hits all of them.
@@ -107,13 +112,13 @@ int run(const BenchOptions& o) {
                           .log_likelihood;
       }));
     withOneThread([&] {
-      one.push_back(millisecondsOf([&] { map.backend().evaluate(image->frame, poses); }));
+      one.push_back(millisecondsOf([&] { cpu.evaluate(image->frame, poses); }));
       field.push_back(
           millisecondsOf([&] { map.prepare(sequence.camera, picture, {}, frame.image_file); }));
     });
-    all.push_back(millisecondsOf([&] { map.backend().evaluate(image->frame, poses); }));
+    all.push_back(millisecondsOf([&] { cpu.evaluate(image->frame, poses); }));
   }
-  t.samples = map.backend().lastEvaluatedSamples();
+  t.samples = cpu.lastEvaluatedSamples();
   withOneThread([&] { updates_one = wholeUpdates(map, sequence, o.updates); });
   updates_all = wholeUpdates(map, sequence, o.updates);
 
@@ -122,6 +127,13 @@ int run(const BenchOptions& o) {
   t.one = median(one);
   t.all = median(all);
   t.one_field = median(field);
+  if (!o.dump_workload.empty()) {
+    gpu::Workload w =
+        gpu::makeWorkload(sequence.name, map.visibility(), image->frame, poses, reference);
+    w.plain_ms = t.plain;
+    w.cpu_ms = t.all;
+    gpu::writeWorkload(w, o.dump_workload);
+  }
   const double per_sample_one = 1e6 * t.one / static_cast<double>(t.samples);
   const int threads = tbb::info::default_concurrency();
   nlohmann::json j = {
@@ -187,6 +199,9 @@ void addBench(CLI::App* app, Action* action) {
   c->add_option("--updates", o->updates, "images of which the whole update is timed");
   c->add_option("--spread-position", o->spread_position, "spread of the particles, m");
   c->add_option("--spread-angle", o->spread_angle_deg, "spread of the particles, deg");
+  c->add_option("--dump-workload", o->dump_workload,
+                "file for `edge_mcl_gpu_check`: this image and these particles, for a machine with "
+                "a GPU and nothing else");
   c->add_flag("--json", o->json, "print the result as JSON");
   o->parameters.addTo(c);
   c->callback([o, action] { *action = [o] { return run(*o); }; });

@@ -10,6 +10,7 @@ void ParameterOptions::addTo(CLI::App* command) {
                       "one parameter, e.g. --set likelihood.sigma=2 (repeatable)");
   command->add_option("--particles", particles_, "number of particles (filter.particles)");
   command->add_option("--likelihood", likelihood_, "paper or robust (likelihood.model)");
+  command->add_option("--backend", backend_, "auto, cpu or cuda (likelihood.backend)");
   command->add_option("--seed", seed_, "seed of the random generator (filter.seed)");
 }
 
@@ -33,6 +34,7 @@ Parameters ParameterOptions::load() const {
   }
   if (!particles_.empty()) set("filter.particles", particles_);
   if (!likelihood_.empty()) set("likelihood.model", likelihood_);
+  if (!backend_.empty()) set("likelihood.backend", backend_);
   if (!seed_.empty()) set("filter.seed", seed_);
   if (!faults.empty()) throw ParameterError(faults);
   params.validate();

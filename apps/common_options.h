@@ -20,7 +20,7 @@ class ParameterOptions {
  private:
   std::string file_;
   std::vector<std::string> assignments_;
-  std::string particles_, likelihood_, seed_;
+  std::string particles_, likelihood_, backend_, seed_;
 };
 
 /// Exit codes of the tool.

@@ -14,6 +14,7 @@
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/overlay.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
+#include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/sequence_localizer.h"
 #include "progress_bar.h"
 
@@ -22,7 +23,7 @@ namespace edge_mcl {
 namespace {
 
 struct LocalizeOptions {
-  std::string sequence, model, out = "est.txt", stats, overlay, plot, initial_std, backend = "auto";
+  std::string sequence, model, out = "est.txt", stats, overlay, plot, initial_std;
   bool no_mask = false, json = false;
   ParameterOptions parameters;
 };
@@ -81,14 +82,13 @@ Trajectory truthOf(const Sequence& sequence) {
 
 int run(const LocalizeOptions& o) {
   const Parameters params = o.parameters.load();
-  if (o.backend != "auto" && o.backend != "cpu")
-    throw ParameterError("--backend " + o.backend + ": this build has only the CPU backend (cpu)");
   const Sequence sequence = readSequence(o.sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty())
     throw InputError(o.sequence + ": no model.obj in it; name the model with --model");
-  const LocalizationMap map(model, params);
+  LocalizationMap map(model, params);
+  chooseBackend(&map);
   for (const std::string& w : map.mesh().report.warnings)
     std::fprintf(stderr, "warning: %s: %s\n", model.c_str(), w.c_str());
   SequenceLocalizer localizer(map, sequence, !o.no_mask);
@@ -176,7 +176,6 @@ void addLocalize(CLI::App* app, Action* action) {
                 "directory with rgb.txt, camera.yaml, sequence.yaml (see docs/sequences.md)")
       ->required();
   c->add_option("--model", o->model, "model file, if not SEQUENCE/model.obj");
-  c->add_option("--backend", o->backend, "auto, cpu or cuda");
   c->add_option("--initial-std", o->initial_std, "spread of the first particles as metres,degrees");
   c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
   c->add_option("--out", o->out, "trajectory to write (TUM format)");

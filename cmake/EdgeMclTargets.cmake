@@ -9,7 +9,8 @@ endif()
 target_compile_options(edge_mcl_build_flags INTERFACE -ffp-contract=off)
 if(EDGE_MCL_SANITIZE)
   target_compile_options(edge_mcl_build_flags INTERFACE
-    -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer -g)
+    -fsanitize=address,undefined -fno-sanitize-recover=undefined -fsanitize-recover=alignment
+    -fno-omit-frame-pointer -g)
   target_link_options(edge_mcl_build_flags INTERFACE -fsanitize=address,undefined)
 endif()
 

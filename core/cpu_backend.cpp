@@ -26,6 +26,17 @@ double spacingScale(const LikelihoodFrame& frame) {
   return frame.sample_step / frame.params.correlation_length;
 }
 
+void checkLikelihoodInput(const LikelihoodFrame& frame, const std::vector<Pose>& camera_poses) {
+  if (!frame.table) throw Error("likelihood: no image table");
+  if (frame.table->width() != frame.camera.width || frame.table->height() != frame.camera.height)
+    throw InputError("likelihood: the image has " + std::to_string(frame.table->width()) + "x" +
+                     std::to_string(frame.table->height()) + " pixels, camera_info says " +
+                     std::to_string(frame.camera.width) + "x" +
+                     std::to_string(frame.camera.height));
+  for (const Pose& pose : camera_poses)
+    if (!pose.matrix().allFinite()) throw Error("likelihood: a pose is not finite");
+}
+
 namespace {
 
 /// What one batch of particles shares.
@@ -172,20 +183,6 @@ KernelCamera kernelCamera(const CameraModel& camera) {
   return k;
 }
 
-void checkFrame(const LikelihoodFrame& frame) {
-  if (!frame.table) throw Error("likelihood: no image table");
-  if (frame.table->width() != frame.camera.width || frame.table->height() != frame.camera.height)
-    throw InputError("likelihood: the image has " + std::to_string(frame.table->width()) + "x" +
-                     std::to_string(frame.table->height()) + " pixels, camera_info says " +
-                     std::to_string(frame.camera.width) + "x" +
-                     std::to_string(frame.camera.height));
-}
-
-void requireValid(const std::vector<Pose>& poses) {
-  for (const Pose& pose : poses)
-    if (!pose.matrix().allFinite()) throw Error("likelihood: a pose is not finite");
-}
-
 /// Visible samples of the block's segments, summed over its particles.
 uint64_t countParticleSamples(const KernelBlock& block) {
   std::vector<uint64_t> of_cell(block.cells);
@@ -246,8 +243,7 @@ std::string CpuBackend::name() const { return std::string("cpu ") + kernelTarget
 
 std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
                                             const std::vector<Pose>& camera_poses) const {
-  checkFrame(frame);
-  requireValid(camera_poses);
+  checkLikelihoodInput(frame, camera_poses);
   const size_t n = camera_poses.size();
   Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n), {}};
   std::iota(batch.order.begin(), batch.order.end(), 0u);
@@ -279,8 +275,7 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
 
 std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, const VisibleSet& set,
                                               const std::vector<Pose>& camera_poses) {
-  checkFrame(frame);
-  requireValid(camera_poses);
+  checkLikelihoodInput(frame, camera_poses);
   const size_t n = camera_poses.size();
   Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n, 0u), {}};
   std::iota(batch.order.begin(), batch.order.end(), 0u);

@@ -47,6 +47,10 @@ class LikelihoodBackend {
   virtual std::string name() const = 0;
 };
 
+/// @throws Error when a pose is not finite or there is no table, InputError when table and camera
+///   are of different size.
+void checkLikelihoodInput(const LikelihoodFrame& frame, const std::vector<Pose>& camera_poses);
+
 /// Total log-likelihood from the two sums a kernel produces.
 double combineLines(const LikelihoodParameters& params, double line_sum, double line_count);
 

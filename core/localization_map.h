@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "edge_mcl/core/cpu_backend.h"
@@ -45,7 +46,10 @@ class LocalizationMap {
   const MeshModel& mesh() const { return *mesh_; }
   const EdgeModel& edges() const { return *edges_; }
   const Visibility& visibility() const { return *visibility_; }
-  const CpuBackend& backend() const { return *backend_; }
+  std::shared_ptr<const Visibility> sharedVisibility() const { return visibility_; }
+  const LikelihoodBackend& backend() const { return *backend_; }
+  /// Replaces the CPU backend. @param backend over sharedVisibility().
+  void setBackend(std::unique_ptr<LikelihoodBackend> backend) { backend_ = std::move(backend); }
 
   /// @param mask empty for none. @throws InputError on a size that is not the camera's.
   std::shared_ptr<const PreparedImage> prepare(const CameraModel& camera, const cv::Mat& image,
@@ -67,7 +71,7 @@ class LocalizationMap {
   std::unique_ptr<MeshModel> mesh_;
   std::unique_ptr<EdgeModel> edges_;
   std::shared_ptr<Visibility> visibility_;
-  std::unique_ptr<CpuBackend> backend_;
+  std::unique_ptr<LikelihoodBackend> backend_;
   std::unique_ptr<PoseRefiner> refiner_;
 };
 

@@ -23,6 +23,9 @@ std::string toText(double value) {
 std::string toText(int value) { return std::to_string(value); }
 std::string toText(uint64_t value) { return std::to_string(value); }
 std::string toText(bool value) { return value ? "true" : "false"; }
+std::string toText(BackendChoice value) {
+  return value == BackendChoice::kAuto ? "auto" : value == BackendChoice::kCpu ? "cpu" : "cuda";
+}
 std::string toText(LikelihoodModel value) {
   return value == LikelihoodModel::kPaper ? "paper" : "robust";
 }
@@ -48,6 +51,13 @@ bool fromText(const std::string& text, bool* value) {
   if (text == "false" || text == "0" || text == "no") return *value = false, true;
   return false;
 }
+bool fromText(const std::string& text, BackendChoice* value) {
+  if (text == "auto") return *value = BackendChoice::kAuto, true;
+  if (text == "cpu") return *value = BackendChoice::kCpu, true;
+  if (text == "cuda") return *value = BackendChoice::kCuda, true;
+  return false;
+}
+
 bool fromText(const std::string& text, LikelihoodModel* value) {
   if (text == "paper") return *value = LikelihoodModel::kPaper, true;
   if (text == "robust") return *value = LikelihoodModel::kRobust, true;
@@ -58,6 +68,7 @@ const char* typeName(double) { return "a number"; }
 const char* typeName(int) { return "a whole number"; }
 const char* typeName(uint64_t) { return "a whole number"; }
 const char* typeName(bool) { return "true or false"; }
+const char* typeName(BackendChoice) { return "auto, cpu or cuda"; }
 const char* typeName(LikelihoodModel) { return "paper or robust"; }
 
 /// Calls f(group.name, reference, unit, text) for every parameter.

@@ -96,6 +96,8 @@ struct ImageParameters {
 
 enum class LikelihoodModel { kPaper, kRobust };
 
+enum class BackendChoice { kAuto, kCpu, kCuda };
+
 /// The measurement model, see docs/likelihood.md.
 struct LikelihoodParameters {
   LikelihoodModel model = LikelihoodModel::kRobust;
@@ -108,6 +110,7 @@ struct LikelihoodParameters {
   double line_correlation = 0.5;
   double scale = 8;
   double border_fade = 4;
+  BackendChoice backend = BackendChoice::kAuto;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -125,6 +128,7 @@ struct LikelihoodParameters {
       "robust model: correlation between lines; 0 adds them up, 1 averages them as eq. (3) does");
     v("scale", scale, "", "robust model: factor on the log-likelihood, see line_correlation");
     v("border_fade", border_fade, "px", "samples fade in over this distance from the image border");
+    v("backend", backend, "", "what computes it: cpu, cuda, or auto: cuda where a device answers");
   }
 };
 

@@ -42,6 +42,7 @@ class ScoreTable {
   /// Row-major (bin, y, x), rows of stride() elements, bins of rows() rows; low byte: score in this
   /// bin, high byte: score in the next.
   const uint16_t* pairs() const { return pairs_.data(); }
+  size_t pairCount() const { return pairs_.size(); }
   int stride() const { return width_ + 1; }
   int rows() const { return height_ + 1; }
   uint8_t code(int bin, int x, int y) const {

@@ -13,6 +13,7 @@
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
+#include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 
 IMPLEMENTS_SERIALIZABLE(CEdgeMap, CMetricMap, edge_mcl)
@@ -25,7 +26,9 @@ CEdgeMap::CEdgeMap(const std::string& model_file, const Parameters& params) {
 }
 
 void CEdgeMap::load(const std::string& model_file, const Parameters& params) {
-  map_ = std::make_shared<LocalizationMap>(model_file, params);
+  auto map = std::make_shared<LocalizationMap>(model_file, params);
+  chooseBackend(map.get());
+  map_ = std::move(map);
   model_file_ = model_file;
   cache_ = std::make_shared<ImageCache>();
 }

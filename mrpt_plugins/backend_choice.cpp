@@ -1,0 +1,29 @@
+#include "edge_mcl/mrpt_plugins/backend_choice.h"
+
+#include <iostream>
+
+#include "edge_mcl/core/error.h"
+
+#ifdef EDGE_MCL_HAS_CUDA
+#include "edge_mcl/gpu/cuda_backend.h"
+#endif
+
+namespace edge_mcl {
+
+void chooseBackend(LocalizationMap* map) {
+  const BackendChoice choice = map->params().likelihood.backend;
+  if (choice == BackendChoice::kCpu) return;
+#ifdef EDGE_MCL_HAS_CUDA
+  const std::string why = CudaBackend::whyUnavailable();
+  if (why.empty())
+    map->setBackend(std::make_unique<CudaBackend>(
+        map->sharedVisibility(),
+        [](const std::string& warning) { std::cerr << "edge_mcl: " << warning << std::endl; }));
+#else
+  const std::string why = "built without CUDA";
+#endif
+  if (choice == BackendChoice::kCuda && !why.empty())
+    throw ParameterError("likelihood.backend cuda: " + why);
+}
+
+}  // namespace edge_mcl
