@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench_table.h"
 #include "common_options.h"
 #include "edge_mcl/core/cpu_kernel.h"
 #include "edge_mcl/core/error.h"
@@ -26,6 +27,7 @@ struct BenchOptions {
   std::string sequence, model, dump_workload;
   size_t image = 0, plain_particles = 100, updates = 60;
   int repeats = 15;
+  std::vector<size_t> table;
   double spread_position = 0.05, spread_angle_deg = 2;
   bool json = false;
   ParameterOptions parameters;
@@ -84,9 +86,14 @@ int run(const BenchOptions& o) {
   Twist scale;
   scale.head<3>().setConstant(o.spread_position);
   scale.tail<3>().setConstant(o.spread_angle_deg * M_PI / 180);
-  std::vector<Pose> poses;
-  for (int i = 0; i < params.filter.particles; ++i)
-    poses.push_back(centre * expSe3(scale.cwiseProduct(random.normalTwist())));
+  const auto draw = [&](size_t n) {
+    std::vector<Pose> drawn;
+    drawn.reserve(n);
+    for (size_t i = 0; i < n; ++i)
+      drawn.push_back(centre * expSe3(scale.cwiseProduct(random.normalTwist())));
+    return drawn;
+  };
+  const std::vector<Pose> poses = draw(static_cast<size_t>(params.filter.particles));
   const size_t plain_count = std::min(poses.size(), o.plain_particles);
 
   Timing t;
@@ -157,7 +164,13 @@ int run(const BenchOptions& o) {
       {"update_ms_all_threads",
        {{"p50", percentile(updates_all, 0.5)}, {"p95", percentile(updates_all, 0.95)}}},
       {"checksum", checksum}};
+  const bool has_gpu = map.backend().name().rfind("cuda", 0) == 0;
+  const auto timeSizes = [&] {
+    return timeTable(cpu, has_gpu ? &map.backend() : nullptr, image->frame,
+                     t.plain / static_cast<double>(poses.size()), o.table, draw, !o.json);
+  };
   if (o.json) {
+    if (!o.table.empty()) j["table"] = timeSizes();
     std::printf("%s\n", j.dump(1).c_str());
     return kExitOk;
   }
@@ -174,11 +187,13 @@ int run(const BenchOptions& o) {
   row(("ours, " + std::to_string(threads) + " threads").c_str(), t.all, t.plain / t.all);
   std::printf("  edges and table of the image, 1 thread     %10.2f ms (once per image)\n",
               t.one_field);
-  std::printf(
-      "  whole update, image in, pose out: 1 thread p50 %.1f p95 %.1f ms; %d threads p50 "
-      "%.1f p95 %.1f ms\n",
-      percentile(updates_one, 0.5), percentile(updates_one, 0.95), threads,
-      percentile(updates_all, 0.5), percentile(updates_all, 0.95));
+  if (!updates_all.empty())
+    std::printf(
+        "  whole update, image in, pose out: 1 thread p50 %.1f p95 %.1f ms; %d threads p50 "
+        "%.1f p95 %.1f ms\n",
+        percentile(updates_one, 0.5), percentile(updates_one, 0.95), threads,
+        percentile(updates_all, 0.5), percentile(updates_all, 0.95));
+  if (!o.table.empty()) timeSizes();
   return kExitOk;
 }
 
@@ -199,6 +214,11 @@ void addBench(CLI::App* app, Action* action) {
   c->add_option("--updates", o->updates, "images of which the whole update is timed");
   c->add_option("--spread-position", o->spread_position, "spread of the particles, m");
   c->add_option("--spread-angle", o->spread_angle_deg, "spread of the particles, deg");
+  c->add_option("--table", o->table,
+                "numbers of particles for a table like the paper's Table 1, e.g. "
+                "100,500,1000,5000,50000,1000000")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 10000000));
   c->add_option("--dump-workload", o->dump_workload,
                 "file for `edge_mcl_gpu_check`: this image and these particles, for a machine with "
                 "a GPU and nothing else");
