@@ -1,6 +1,8 @@
 /// SIMD and multi-threaded likelihood on the CPU.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,7 +28,7 @@ class CpuBackend : public LikelihoodBackend {
 
  private:
   std::shared_ptr<const Visibility> visibility_;
-  mutable uint64_t last_evaluated_samples_ = 0;
+  mutable std::atomic<uint64_t> last_evaluated_samples_{0};
 };
 
 /// Poses against one visible set, without cells: the kernel alone.
