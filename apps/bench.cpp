@@ -17,7 +17,9 @@
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/gpu/workload_export.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
-#include "edge_mcl/mrpt_plugins/sequence_localizer.h"
+#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "gather_limit.h"
+#include "stage_times.h"
 
 namespace edge_mcl {
 
@@ -25,7 +27,7 @@ namespace {
 
 struct BenchOptions {
   std::string sequence, model, dump_workload;
-  size_t image = 0, plain_particles = 100, updates = 60;
+  size_t image = 0, plain_particles = 100, updates = 60, samples = 0;
   int repeats = 15;
   std::vector<size_t> table;
   double spread_position = 0.05, spread_angle_deg = 2;
@@ -43,31 +45,11 @@ double millisecondsOf(const std::function<void()>& work) {
 double median(std::vector<double> values) { return summarize(std::move(values)).median; }
 
 struct Timing {
-  double plain = 0, one = 0, all = 0;   // ms for all particles
-  double one_field = 0;                 // ms for edges and table, one thread
-  uint64_t samples = 0;                 // particle-samples evaluated
-  ErrorSummary update_one, update_all;  // ms of whole updates
+  double plain = 0, one = 0, all = 0;  // ms for all particles
+  double one_field = 0;                // ms for edges and table, one thread
+  double gather_limit = 0;             // ns per particle-sample, look-ups alone, one thread
+  uint64_t samples = 0;                // particle-samples evaluated
 };
-
-std::vector<double> wholeUpdates(const LocalizationMap& map, const Sequence& sequence,
-                                 size_t most) {
-  SequenceLocalizer localizer(map, sequence, true);
-  std::vector<double> ms;
-  ms.reserve(most);
-  for (size_t i = 0; i < std::min(most, sequence.frames.size()); ++i) {
-    const FrameResult r = localizer.step();
-    if (r.updated)
-      ms.push_back(r.image_times.edges + r.image_times.field + r.image_times.table +
-                   r.report.total_ms);
-  }
-  return ms;
-}
-
-double percentile(std::vector<double> v, double q) {
-  if (v.empty()) return 0;
-  std::sort(v.begin(), v.end());
-  return v[static_cast<size_t>(q * static_cast<double>(v.size() - 1))];
-}
 
 int run(const BenchOptions& o) {
   const Parameters params = o.parameters.load();
@@ -97,18 +79,20 @@ int run(const BenchOptions& o) {
   const size_t plain_count = std::min(poses.size(), o.plain_particles);
 
   Timing t;
-  std::vector<double> one, all, plain, field;
-  std::vector<double> updates_one, updates_all;
+  std::vector<double> one, all, plain, field, gathers;
   std::shared_ptr<const PreparedImage> image;
   const auto withOneThread = [](const std::function<void()>& work) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
     work();
   };
   image = map.prepare(sequence.camera, picture, {}, frame.image_file);
+  LikelihoodFrame scored = image->frame;
+  if (o.samples > 0) scored.thinning = map.thinningFor({image}, centre, o.samples);
   const std::vector<PoseScore> reference =
-      cpu.evaluate(image->frame, poses);  // fills the visibility cache
-  LikelihoodFrame paper = image->frame;
+      cpu.evaluate(scored, poses);  // fills the visibility cache
+  LikelihoodFrame paper = scored;
   paper.params.model = LikelihoodModel::kPaper;
+  const auto centre_set = map.visibility().cached(map.visibility().cellOf(centre.translation()));
   // The contenders take turns, so that a drifting clock hits all of them.
   double checksum = 0;
   for (int k = 0; k < o.repeats; ++k) {
@@ -119,15 +103,18 @@ int run(const BenchOptions& o) {
                           .log_likelihood;
       }));
     withOneThread([&] {
-      one.push_back(millisecondsOf([&] { cpu.evaluate(image->frame, poses); }));
+      one.push_back(millisecondsOf([&] { cpu.evaluate(scored, poses); }));
+      gathers.push_back(gatherLimitNanoseconds(scored, *centre_set, poses, 1));
       field.push_back(
           millisecondsOf([&] { map.prepare(sequence.camera, picture, {}, frame.image_file); }));
     });
-    all.push_back(millisecondsOf([&] { cpu.evaluate(image->frame, poses); }));
+    all.push_back(millisecondsOf([&] { cpu.evaluate(scored, poses); }));
   }
   t.samples = cpu.lastEvaluatedSamples();
-  withOneThread([&] { updates_one = wholeUpdates(map, sequence, o.updates); });
-  updates_all = wholeUpdates(map, sequence, o.updates);
+  t.gather_limit = median(gathers);
+  StageTable updates_one;
+  withOneThread([&] { updates_one = StageTable::measure(map, sequence, o.updates); });
+  const StageTable updates_all = StageTable::measure(map, sequence, o.updates);
 
   const double n = static_cast<double>(poses.size());
   t.plain = median(plain) * n / static_cast<double>(plain_count);
@@ -135,38 +122,37 @@ int run(const BenchOptions& o) {
   t.all = median(all);
   t.one_field = median(field);
   if (!o.dump_workload.empty()) {
-    gpu::Workload w =
-        gpu::makeWorkload(sequence.name, map.visibility(), image->frame, poses, reference);
+    gpu::Workload w = gpu::makeWorkload(sequence.name, map.visibility(), scored, poses, reference);
     w.plain_ms = t.plain;
     w.cpu_ms = t.all;
     gpu::writeWorkload(w, o.dump_workload);
   }
   const double per_sample_one = 1e6 * t.one / static_cast<double>(t.samples);
   const int threads = tbb::info::default_concurrency();
-  nlohmann::json j = {
-      {"sequence", sequence.name},
-      {"likelihood", params.get("likelihood.model")},
-      {"particles", poses.size()},
-      {"particle_samples", t.samples},
-      {"instruction_set", kernelTargetName()},
-      {"threads", threads},
-      {"plain_flow_ms", t.plain},
-      {"plain_flow_particles_timed", plain_count},
-      {"cpu_one_thread_ms", t.one},
-      {"cpu_all_threads_ms", t.all},
-      {"image_one_thread_ms", t.one_field},
-      {"ns_per_particle_sample_one_thread", per_sample_one},
-      {"ratio_plain_to_one_thread", t.plain / t.one},
-      {"ratio_plain_to_one_thread_with_image", t.plain / (t.one + t.one_field)},
-      {"ratio_one_to_all_threads", t.one / t.all},
-      {"update_ms_one_thread",
-       {{"p50", percentile(updates_one, 0.5)}, {"p95", percentile(updates_one, 0.95)}}},
-      {"update_ms_all_threads",
-       {{"p50", percentile(updates_all, 0.5)}, {"p95", percentile(updates_all, 0.95)}}},
-      {"checksum", checksum}};
+  nlohmann::json j = {{"sequence", sequence.name},
+                      {"likelihood", params.get("likelihood.model")},
+                      {"particles", poses.size()},
+                      {"thinning", scored.thinning},
+                      {"particle_samples", t.samples},
+                      {"instruction_set", kernelTargetName()},
+                      {"threads", threads},
+                      {"plain_flow_ms", t.plain},
+                      {"plain_flow_particles_timed", plain_count},
+                      {"cpu_one_thread_ms", t.one},
+                      {"cpu_all_threads_ms", t.all},
+                      {"image_one_thread_ms", t.one_field},
+                      {"ns_per_particle_sample_one_thread", per_sample_one},
+                      {"ns_per_particle_sample_gathers_alone", t.gather_limit},
+                      {"ratio_one_thread_to_gathers_alone", per_sample_one / t.gather_limit},
+                      {"ratio_plain_to_one_thread", t.plain / t.one},
+                      {"ratio_plain_to_one_thread_with_image", t.plain / (t.one + t.one_field)},
+                      {"ratio_one_to_all_threads", t.one / t.all},
+                      {"update_ms_one_thread", updates_one.toJson()},
+                      {"update_ms_all_threads", updates_all.toJson()},
+                      {"checksum", checksum}};
   const bool has_gpu = map.backend().name().rfind("cuda", 0) == 0;
   const auto timeSizes = [&] {
-    return timeTable(cpu, has_gpu ? &map.backend() : nullptr, image->frame,
+    return timeTable(cpu, has_gpu ? &map.backend() : nullptr, scored,
                      t.plain / static_cast<double>(poses.size()), o.table, draw, !o.json);
   };
   if (o.json) {
@@ -185,14 +171,12 @@ int run(const BenchOptions& o) {
   row("paper's flow, plainly written, 1 thread", t.plain, 1);
   row("ours, 1 thread", t.one, t.plain / t.one);
   row(("ours, " + std::to_string(threads) + " threads").c_str(), t.all, t.plain / t.all);
+  std::printf("  %-42s %10s %16.2f   ours is %.2f times that\n", "look-ups alone, 1 thread", "",
+              t.gather_limit, per_sample_one / t.gather_limit);
   std::printf("  edges and table of the image, 1 thread     %10.2f ms (once per image)\n",
               t.one_field);
-  if (!updates_all.empty())
-    std::printf(
-        "  whole update, image in, pose out: 1 thread p50 %.1f p95 %.1f ms; %d threads p50 "
-        "%.1f p95 %.1f ms\n",
-        percentile(updates_one, 0.5), percentile(updates_one, 0.95), threads,
-        percentile(updates_all, 0.5), percentile(updates_all, 0.95));
+  updates_one.print("whole update, image in, pose out, 1 thread");
+  updates_all.print("the same, " + std::to_string(threads) + " threads");
   if (!o.table.empty()) timeSizes();
   return kExitOk;
 }
@@ -212,6 +196,8 @@ void addBench(CLI::App* app, Action* action) {
   c->add_option("--plain-particles", o->plain_particles,
                 "particles timed with the plain flow (scaled up)");
   c->add_option("--updates", o->updates, "images of which the whole update is timed");
+  c->add_option("--samples", o->samples,
+                "thin the model's samples out to about so many per particle, for all contenders");
   c->add_option("--spread-position", o->spread_position, "spread of the particles, m");
   c->add_option("--spread-angle", o->spread_angle_deg, "spread of the particles, deg");
   c->add_option("--table", o->table,

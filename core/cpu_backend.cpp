@@ -23,7 +23,7 @@ double spacingScale(const LikelihoodFrame& frame) {
   constexpr double kEndOn = 50;
   if (frame.params.model == LikelihoodModel::kPaper)
     return kEndOn * 2 / (frame.camera.fx + frame.camera.fy);
-  return frame.sample_step / frame.params.correlation_length;
+  return frame.sample_step * frame.thinning / frame.params.correlation_length;
 }
 
 void checkLikelihoodInput(const LikelihoodFrame& frame, const std::vector<Pose>& camera_poses) {
@@ -109,6 +109,19 @@ void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const 
                                  return cone.misses(s.centre.cast<double>(), s.radius);
                                }),
                 indices.end());
+  // Samples that thinning leaves.
+  const uint32_t thinning = batch.frame->thinning;
+  std::vector<uint16_t> used(indices.size(), 0xffffu);
+  if (thinning > 1) {
+    size_t kept = 0;
+    for (const uint32_t k : indices) {
+      const uint16_t mask = usedSamples(model.segments[k], thinning);
+      if (mask == 0) continue;
+      used[kept] = mask;
+      indices[kept++] = k;
+    }
+    indices.resize(kept);
+  }
   block->along = model.sample_along.data();
   block->cells = static_cast<uint32_t>(cells.size());
   block->segments.resize(indices.size());
@@ -121,8 +134,9 @@ void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const 
       if (k == indices.size()) break;
       if (indices[k] != s.index) continue;
       const uint32_t facing = use_facing ? s.facing : 65535u;
-      block->seen[k * cells.size() + c] = s.samples | facing << 16;
-      block->segments[k].samples |= s.samples;
+      const uint32_t samples = s.samples & used[k];
+      block->seen[k * cells.size() + c] = samples | facing << 16;
+      block->segments[k].samples |= samples;
     }
   }
   for (size_t k = 0; k < indices.size(); ++k) {
@@ -130,7 +144,7 @@ void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const 
     const EdgeLine& line = model.lines[s.line];
     KernelBlock::Segment& out = block->segments[k];
     Eigen::Map<Eigen::Vector3d>(out.centre) = s.centre.cast<double>();
-    Eigen::Map<Eigen::Vector3d>(out.tangent) = line.tangent().cast<double>();
+    Eigen::Map<Eigen::Vector3f>(out.tangent) = line.tangent();
     out.radius = s.radius;
     out.first = s.first_sample;
     out.ends_group = k + 1 == indices.size() ||
@@ -144,6 +158,7 @@ void fillParticles(const Batch& batch, const std::vector<uint32_t>& cells, size_
   const size_t padded = (block->particles + KernelBlock::kLanePadding - 1) /
                         KernelBlock::kLanePadding * KernelBlock::kLanePadding;
   for (auto& plane : block->pose) plane.resize(padded);
+  for (auto& plane : block->rotation) plane.resize(padded);
   block->cell.resize(padded);
   for (size_t lane = 0; lane < padded; ++lane) {
     const uint32_t particle = batch.order[begin + std::min(lane, block->particles - 1)];
@@ -151,7 +166,10 @@ void fillParticles(const Batch& batch, const std::vector<uint32_t>& cells, size_
     const Eigen::Matrix3d to_camera = pose.linear().transpose();
     const Eigen::Vector3d t = -(to_camera * pose.translation());
     for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) block->pose[3 * r + c][lane] = to_camera(r, c);
+      for (int c = 0; c < 3; ++c) {
+        block->pose[3 * r + c][lane] = to_camera(r, c);
+        block->rotation[3 * r + c][lane] = static_cast<float>(to_camera(r, c));
+      }
       block->pose[9 + r][lane] = t[r];
     }
     block->cell[lane] = static_cast<int32_t>(

@@ -122,6 +122,27 @@ struct RoundedDown {
   }
 };
 
+/// Bin of an edge's direction in the score table.
+struct DirectionBin {
+  V lower, fraction;  // lower + fraction in [0, bins]
+
+  /// @param du, dv direction in the image, not normalised. @param abs_dv |dv|.
+  /// @param length |du| + |dv|. @param half_bins half the number of bins.
+  HWY_INLINE DirectionBin(D d, V du, V dv, V abs_dv, V length, float half_bins) {
+    const V half = hn::Set(d, half_bins);
+    // The next bin is stored beside each; a diamond angle of 2 is the end of the last.
+    const V last = hn::Set(d, 2 * half_bins * (1 - 1e-7f) - 0.5f);
+    // Diamond angle of the undirected edge: dv / (|du| + |dv|) in the first quadrant, 2 minus it
+    // where the signs differ.
+    const V ratio =
+        hn::Mul(hn::Mul(abs_dv, half), reciprocal(d, hn::Max(length, hn::Set(d, 1e-20f))));
+    const auto second = hn::Lt(hn::Mul(du, dv), hn::Zero(d));
+    const V bin = hn::IfThenElse(second, hn::Sub(hn::Add(half, half), ratio), ratio);
+    lower = RoundedDown(d, hn::Min(hn::Sub(bin, hn::Set(d, 0.5f)), last)).value;
+    fraction = hn::Sub(bin, lower);
+  }
+};
+
 /// Sums of one particle while its segments are worked through.
 struct LaneSums {
   V group_score, group_weight;
@@ -151,23 +172,37 @@ class LaneScorer {
   }
 
  private:
-  /// a . (x, y, z) + b of every lane in double precision, rounded once.
-  HWY_INLINE V transform(size_t first_lane, int row, const double* v, bool is_point) const {
+  /// Row of the rotation times (x, y, z), for directions.
+  HWY_INLINE V rotate(size_t first_lane, int row, const float* v) const {
     const D d;
-    const hn::CappedTag<double, KernelBlock::kLanePadding> wide;
-    const hn::Rebind<float, decltype(wide)> narrow;
-    HWY_ALIGN float out[KernelBlock::kLanePadding];
-    for (size_t i = 0; i < hn::Lanes(d); i += hn::Lanes(wide)) {
-      const auto plane = [&](int p) {
-        return hn::LoadU(wide, block_.pose[p].data() + first_lane + i);
-      };
+    const auto plane = [&](int p) { return hn::LoadU(d, block_.rotation[p].data() + first_lane); };
+    V sum = hn::Mul(plane(3 * row), hn::Set(d, v[0]));
+    sum = hn::MulAdd(plane(3 * row + 1), hn::Set(d, v[1]), sum);
+    return hn::MulAdd(plane(3 * row + 2), hn::Set(d, v[2]), sum);
+  }
+
+  /// The same plus the translation, in double precision, rounded once.
+  HWY_INLINE V transform(size_t first_lane, int row, const double* v) const {
+    const D d;
+#if HWY_TARGET == HWY_SCALAR
+    const D narrow;
+#else
+    const hn::Half<D> narrow;
+#endif
+    const hn::Rebind<double, decltype(narrow)> wide;
+    const auto lanesFrom = [&](size_t lane) {
+      const auto plane = [&](int p) { return hn::LoadU(wide, block_.pose[p].data() + lane); };
       auto sum = hn::Mul(plane(3 * row), hn::Set(wide, v[0]));
       sum = hn::MulAdd(plane(3 * row + 1), hn::Set(wide, v[1]), sum);
       sum = hn::MulAdd(plane(3 * row + 2), hn::Set(wide, v[2]), sum);
-      if (is_point) sum = hn::Add(sum, plane(9 + row));
-      hn::StoreU(hn::DemoteTo(narrow, sum), narrow, out + i);
-    }
-    return hn::Load(d, out);
+      return hn::DemoteTo(narrow, hn::Add(sum, plane(9 + row)));
+    };
+#if HWY_TARGET == HWY_SCALAR
+    (void)d;
+    return lanesFrom(first_lane);
+#else
+    return hn::Combine(d, lanesFrom(first_lane + hn::Lanes(narrow)), lanesFrom(first_lane));
+#endif
   }
 
   /// Whether a sphere is outside the view of all lanes.
@@ -188,16 +223,20 @@ class LaneScorer {
     const D d;
     const DI di;
     const DU du;
-    const V px = transform(first_lane, 0, segment.centre, true);
-    const V py = transform(first_lane, 1, segment.centre, true);
-    const V pz = transform(first_lane, 2, segment.centre, true);
+    const V px = transform(first_lane, 0, segment.centre);
+    const V py = transform(first_lane, 1, segment.centre);
+    const V pz = transform(first_lane, 2, segment.centre);
     if (outsideView(segment.radius, px, py, pz)) return;
-    const V tx = transform(first_lane, 0, segment.tangent, false);
-    const V ty = transform(first_lane, 1, segment.tangent, false);
-    const V tz = transform(first_lane, 2, segment.tangent, false);
-    const VI cell = hn::LoadU(di, block_.cell.data() + first_lane);
+    const V tx = rotate(first_lane, 0, segment.tangent);
+    const V ty = rotate(first_lane, 1, segment.tangent);
+    const V tz = rotate(first_lane, 2, segment.tangent);
+    // Particles are sorted by cell: the first and the last tell whether all are in one.
+    const int32_t* cell = block_.cell.data() + first_lane;
     const VU seen =
-        hn::BitCast(du, hn::GatherIndex(di, reinterpret_cast<const int32_t*>(seen_row), cell));
+        cell[0] == cell[hn::Lanes(d) - 1]
+            ? hn::Set(du, seen_row[cell[0]])
+            : hn::BitCast(du, hn::GatherIndex(di, reinterpret_cast<const int32_t*>(seen_row),
+                                              hn::LoadU(di, cell)));
     const V segment_weight = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(seen))),
                                      hn::Set(d, 1 / 65535.0f));
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
@@ -207,12 +246,19 @@ class LaneScorer {
     const V min_depth = hn::Set(d, camera_.min_depth);
     const V inverse_fade = hn::Set(d, rule_.inverse_fade);
     const V spacing_scale = hn::Set(d, rule_.spacing_scale);
-    const V half_bins = hn::Set(d, 0.5f * static_cast<float>(table_.bins));
+    const float half_bins = 0.5f * static_cast<float>(table_.bins);
     const V rows = hn::Set(d, static_cast<float>(table_.rows));
-    // The next bin is stored beside each; a diamond angle of 2 is the end of the last.
-    const V last_bin = hn::Set(d, static_cast<float>(table_.bins) * (1 - 1e-7f) - 0.5f);
     const V scale = hn::Set(d, table_.scale), offset = hn::Set(d, table_.offset);
     const V half = hn::Set(d, 0.5f);
+    // Without distortion the image of a line is a line: along the segment the direction, times the
+    // depth, is constant.
+    const V segment_du = hn::Mul(fx, hn::NegMulAdd(px, tz, hn::Mul(pz, tx)));
+    const V segment_dv = hn::Mul(fy, hn::NegMulAdd(py, tz, hn::Mul(pz, ty)));
+    const V segment_abs_dv = hn::Abs(segment_dv);
+    const V segment_length = hn::Add(hn::Abs(segment_du), segment_abs_dv);
+    const DirectionBin segment_bin(d, segment_du, segment_dv, segment_abs_dv, segment_length,
+                                   half_bins);
+    const V segment_spacing = hn::Mul(segment_length, spacing_scale);
 
     for (uint32_t left = segment.samples; left != 0; left &= left - 1) {
       const auto i = static_cast<uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(left));
@@ -224,17 +270,24 @@ class LaneScorer {
       const V iz = reciprocal(d, hn::Max(z, min_depth));
       V xn = hn::Mul(hn::MulAdd(along, tx, px), iz);
       V yn = hn::Mul(hn::MulAdd(along, ty, py), iz);
-      // Direction of the projected edge, up to the factor iz.
-      V a = hn::NegMulAdd(xn, tz, tx), b = hn::NegMulAdd(yn, tz, ty);
+      // An edge seen end-on has no direction in the image: it fades out. In the robust model the
+      // measure is the distance of neighbouring samples in the image.
+      V spacing = hn::Mul(segment_spacing, iz);
+      DirectionBin bin = segment_bin;
       if constexpr (kModel != static_cast<int>(DistortionModel::kNone)) {
+        // Direction of the projected edge, up to the factor iz.
+        const V a = hn::NegMulAdd(xn, tz, tx), b = hn::NegMulAdd(yn, tz, ty);
         const V r2 = hn::MulAdd(xn, xn, hn::Mul(yn, yn));
         valid = hn::And(valid, hn::Le(r2, hn::Set(d, camera_.max_radius2)));
         const Distorted q = distort<kModel>(d, xn, yn, r2, camera_);
         xn = q.x;
         yn = q.y;
-        const V a_distorted = hn::MulAdd(q.j00, a, hn::Mul(q.j01, b));
-        b = hn::MulAdd(q.j01, a, hn::Mul(q.j11, b));
-        a = a_distorted;
+        const V du_image = hn::Mul(fx, hn::MulAdd(q.j00, a, hn::Mul(q.j01, b)));
+        const V dv_image = hn::Mul(fy, hn::MulAdd(q.j01, a, hn::Mul(q.j11, b)));
+        const V abs_dv = hn::Abs(dv_image);
+        const V length = hn::Add(hn::Abs(du_image), abs_dv);
+        bin = DirectionBin(d, du_image, dv_image, abs_dv, length, half_bins);
+        spacing = hn::Mul(length, spacing_scale);
       }
       const V u = hn::MulAdd(fx, xn, cx), v = hn::MulAdd(fy, yn, cy);
       const V border = hn::Min(hn::Min(u, hn::Sub(last_x, u)), hn::Min(v, hn::Sub(last_y, v)));
@@ -242,26 +295,12 @@ class LaneScorer {
       if (hn::AllFalse(d, valid)) continue;
       V weight = hn::Mul(segment_weight, hn::Min(one, hn::Mul(border, inverse_fade)));
 
-      // An edge seen end-on has no direction in the image: it fades out. In the robust model the
-      // measure is the distance of neighbouring samples in the image.
-      const V du_image = hn::Mul(fx, a), dv_image = hn::Mul(fy, b);
-      const V abs_dv = hn::Abs(dv_image);
-      const V length = hn::Add(hn::Abs(du_image), abs_dv);
-      const V spacing = hn::Mul(length, spacing_scale);
       weight = hn::Mul(weight, hn::Min(one, rule_.paper ? spacing : hn::Mul(spacing, iz)));
-      // Diamond angle of the undirected edge: dv / (|du| + |dv|) in the first quadrant, 2 minus it
-      // where the signs differ.
-      const V ratio =
-          hn::Mul(hn::Mul(abs_dv, half_bins), reciprocal(d, hn::Max(length, hn::Set(d, 1e-20f))));
-      const auto second = hn::Lt(hn::Mul(du_image, dv_image), zero);
-      const V bin = hn::IfThenElse(second, hn::Sub(hn::Add(half_bins, half_bins), ratio), ratio);
-      const RoundedDown bin_floor(d, hn::Min(hn::Sub(bin, half), last_bin));
       const RoundedDown x(d, hn::Sub(u, half)), y(d, hn::Sub(v, half));
-      const V bin_fraction = hn::Sub(bin, bin_floor.value);
       // Not u - x: one rounding less, which is what the position in the image is good to.
       const V frac_x = hn::MulAdd(fx, xn, hn::Sub(cx, x.value));
       const V frac_y = hn::MulAdd(fy, yn, hn::Sub(cy, y.value));
-      const V row = hn::MulAdd(bin_floor.value, rows, y.value);  // exact: below 2^22
+      const V row = hn::MulAdd(bin.lower, rows, y.value);  // exact: below 2^22
       const VI at = hn::IfThenElseZero(hn::RebindMask(di, valid),
                                        byteOffset(RoundedDown::bits(d, row), x.bits(d)));
       const VU top =
@@ -287,7 +326,7 @@ class LaneScorer {
       };
       const V value_a = mix(mix(a0, a1, frac_x), mix(c0, c1, frac_x), frac_y);
       const V value_b = mix(mix(b0, b1, frac_x), mix(e0, e1, frac_x), frac_y);
-      const V score = hn::MulAdd(scale, mix(value_a, value_b, bin_fraction), offset);
+      const V score = hn::MulAdd(scale, mix(value_a, value_b, bin.fraction), offset);
       // A sample that is not valid may have no finite score.
       sums->group_score =
           hn::IfThenElse(valid, hn::MulAdd(weight, score, sums->group_score), sums->group_score);

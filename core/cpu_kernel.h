@@ -9,13 +9,13 @@ namespace edge_mcl {
 
 /// One block of work: particles and all the samples that any of them may see.
 ///
-/// The samples of a segment lie on a straight line: a sample is centre + along * tangent. Centre
-/// and tangent go to the camera frame in double precision, once per particle and segment; what
-/// follows per sample is short, and single precision is enough.
+/// The samples of a segment lie on a straight line: a sample is centre + along * tangent. The
+/// centre goes to the camera frame in double precision, once per particle and segment; what follows
+/// per sample is short, and single precision is enough.
 struct KernelBlock {
   struct Segment {
-    double centre[3];   // map frame, metres
-    double tangent[3];  // map axes, unit
+    double centre[3];  // map frame, metres
+    float tangent[3];  // map axes, unit
     float radius;
     uint32_t first;    // into along
     uint32_t samples;  // bit i: sample i is seen from at least one cell
@@ -33,6 +33,7 @@ struct KernelBlock {
   size_t particles = 0;
   std::vector<int32_t> cell;
   std::vector<double> pose[12];
+  std::vector<float> rotation[9];  // of pose, rounded
 };
 
 struct KernelCamera {

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+
+#include "edge_mcl/core/table_kernel.h"
 
 namespace edge_mcl {
 
@@ -28,79 +29,77 @@ Eigen::Vector2d diamondDirection(double p) {
 
 namespace {
 
-struct EdgePixel {
-  int x, y;
-  float nx, ny;  // unit gradient
+/// An edge pixel in the axes of the transform: the normal's longer axis counts the rows.
+struct RowPixel {
+  int row, column;
 };
-
-std::vector<EdgePixel> listEdgePixels(const EdgeImage& image) {
-  std::vector<EdgePixel> pixels;
-  for (int y = 0; y < image.height(); ++y) {
-    const uint8_t* row = image.edges.ptr<uint8_t>(y);
-    for (int x = 0; x < image.width(); ++x) {
-      if (!row[x]) continue;
-      const Eigen::Vector2d n = image.normalAt(x, y);
-      pixels.push_back({x, y, static_cast<float>(n.x()), static_cast<float>(n.y())});
-    }
-  }
-  return pixels;
-}
 
 /// Distance transform along one direction. Rows are walked one at a time, columns shift by
 /// `slope` per row, so that every pixel lies on exactly one digital line and whole rows are
 /// processed at once.
-void directionalTransform(const uint8_t* edge, int rows, int cols, double slope, uint8_t none,
-                          uint8_t* steps) {
+/// @param pixels ascending by row. @param steps rows of cols elements, with one of `none` before
+/// and after each.
+void directionalTransform(const std::vector<RowPixel>& pixels, int rows, int cols, double slope,
+                          uint8_t none, uint8_t* steps, size_t stride) {
   const auto shiftAt = [&](int r) {
     return static_cast<int>(std::lround(slope * r) - std::lround(slope * (r - 1)));
   };
-  const size_t stride = static_cast<size_t>(cols);
-  std::vector<uint8_t> padded(stride + 2, none), crossing(stride, 0);
-  const auto relax = [&](int r, int from, int shift) {
-    // Value at column x comes from column x - shift of row `from`.
-    std::memcpy(padded.data() + 1, steps + static_cast<size_t>(from) * stride, stride);
-    const uint8_t* source = padded.data() + 1 - shift;
-    uint8_t* target = steps + static_cast<size_t>(r) * stride;
-    for (int x = 0; x < cols; ++x) {
-      const auto next = static_cast<uint8_t>(std::min<int>(source[x] + 1, none));
-      target[x] = std::min(target[x], next);
-    }
-  };
+  std::vector<uint8_t> above(cols, 0), here(cols, 0);
+  auto next = pixels.begin();
   for (int r = 0; r < rows; ++r) {
-    const uint8_t* e = edge + static_cast<size_t>(r) * stride;
     uint8_t* s = steps + static_cast<size_t>(r) * stride;
-    for (int x = 0; x < cols; ++x) s[x] = e[x] ? 0 : none;
-    if (r == 0) continue;
-    const int shift = shiftAt(r);
-    if (shift != 0) {
-      // A diagonal step can slip between two diagonally connected edge pixels.
-      const uint8_t* above = e - stride;
-      const int low = std::max(0, shift), high = std::min(cols, cols + shift);
-      for (int x = low; x < high; ++x)
-        if (above[x] && e[x - shift]) s[x] = 0;
+    std::fill(s - 1, s + cols + 1, none);
+    const auto first = next;
+    for (; next != pixels.end() && next->row == r; ++next) s[next->column] = 0;
+    if (r == 0) {
+      for (auto p = first; p != next; ++p) above[p->column] = 1;
+      continue;
     }
-    relax(r, r - 1, shift);
+    const int shift = shiftAt(r);
+    std::fill(here.begin(), here.end(), uint8_t{0});
+    for (auto p = first; p != next; ++p) {
+      here[p->column] = 1;
+      // A diagonal step can slip between two diagonally connected edge pixels.
+      const int x = p->column + shift;
+      if (shift != 0 && x >= 0 && x < cols && above[x]) s[x] = 0;
+    }
+    // Value at column x comes from column x - shift of the row before.
+    relaxRow(s - stride - shift, none, s, cols);
+    above.swap(here);
   }
-  for (int r = rows - 2; r >= 0; --r) relax(r, r + 1, -shiftAt(r + 1));
+  for (int r = rows - 2; r >= 0; --r) {
+    uint8_t* s = steps + static_cast<size_t>(r) * stride;
+    relaxRow(s + stride + shiftAt(r + 1), none, s, cols);
+  }
 }
 
 /// Pixels of every cell that are inside the image and not ignored.
 cv::Mat usableArea(const cv::Mat& ignore, int rows, int columns, int width, int height) {
-  cv::Mat area = cv::Mat::zeros(rows, columns, CV_32F);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      if (ignore.empty() || !ignore.ptr<uint8_t>(y)[x])
-        area.at<float>(y / EdgeField::kClutterCell, x / EdgeField::kClutterCell) += 1;
+  constexpr int kCell = EdgeField::kClutterCell;
+  cv::Mat area(rows, columns, CV_32F);
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < columns; ++c) {
+      const cv::Rect cell(c * kCell, r * kCell, std::min(kCell, width - c * kCell),
+                          std::min(kCell, height - r * kCell));
+      const int ignored = ignore.empty() ? 0 : cv::countNonZero(ignore(cell));
+      area.at<float>(r, c) = static_cast<float>(cell.area() - ignored);
+    }
   return area;
+}
+
+/// Sums over a window of cells, zero outside.
+cv::Mat windowSum(const cv::Mat& cells, int window_cells) {
+  cv::Mat sum;
+  cv::boxFilter(cells, sum, CV_32F, cv::Size(window_cells, window_cells), cv::Point(-1, -1), false,
+                cv::BORDER_CONSTANT);
+  return sum;
 }
 
 /// Edge pixels per pixel within a window around every cell. An edge across the normal has one
 /// pixel per row of the search, so this is also the number of crossings per pixel of the normal.
-void storeClutter(const cv::Mat& count, const cv::Mat& area, int window_cells, float* out) {
-  cv::Mat edges, pixels;
-  const cv::Size window(window_cells, window_cells);
-  cv::boxFilter(count, edges, CV_32F, window, cv::Point(-1, -1), false, cv::BORDER_CONSTANT);
-  cv::boxFilter(area, pixels, CV_32F, window, cv::Point(-1, -1), false, cv::BORDER_CONSTANT);
+/// @param pixels usable ones in the window.
+void storeClutter(const cv::Mat& count, const cv::Mat& pixels, int window_cells, float* out) {
+  const cv::Mat edges = windowSum(count, window_cells);
   for (int y = 0; y < count.rows; ++y)
     for (int x = 0; x < count.cols; ++x) {
       const float size = std::max(pixels.at<float>(y, x), 1.0f);
@@ -109,63 +108,95 @@ void storeClutter(const cv::Mat& count, const cv::Mat& area, int window_cells, f
     }
 }
 
+Eigen::Vector2d normalOfBin(int bin, int bins) {
+  const Eigen::Vector2d direction = diamondDirection(2.0 * bin / bins);
+  return {-direction.y(), direction.x()};
+}
+
+/// Whether the normal is closer to the image's rows than to its columns.
+bool isTransposed(const Eigen::Vector2d& normal) {
+  return std::abs(normal.x()) > std::abs(normal.y());
+}
+
+/// Columns walked per row, in the axes of the transform.
+double slopeOf(const Eigen::Vector2d& normal) {
+  return isTransposed(normal) ? normal.y() / normal.x() : normal.x() / normal.y();
+}
+
+/// The same pixels, by columns, then rows.
+std::vector<const EdgePixel*> sortedByColumn(const EdgePixels& pixels) {
+  std::vector<size_t> next(pixels.width() + 1, 0);
+  for (const EdgePixel& p : pixels.list()) ++next[p.x + 1];
+  for (int x = 0; x < pixels.width(); ++x) next[x + 1] += next[x];
+  std::vector<const EdgePixel*> sorted(pixels.list().size());
+  for (const EdgePixel& p : pixels.list()) sorted[next[p.x]++] = &p;
+  return sorted;
+}
+
 }  // namespace
 
-EdgeField::EdgeField(const EdgeImage& image, const ImageParameters& params)
+SearchGeometry::SearchGeometry(const ImageParameters& params) : length_(params.search_length) {
+  for (int bin = 0; bin < params.orientation_bins; ++bin) {
+    step_length_.push_back(std::hypot(1.0, slopeOf(normalOfBin(bin, params.orientation_bins))));
+    no_edge_.push_back(static_cast<uint8_t>(std::floor(length_ / step_length_.back()) + 1));
+  }
+}
+
+EdgeField::EdgeField(const EdgeImage& image, const EdgePixels& pixels,
+                     const ImageParameters& params)
     : width_(image.width()),
       height_(image.height()),
-      bins_(params.orientation_bins),
-      search_length_(params.search_length),
-      steps_(static_cast<size_t>(bins_) * plane()),
-      no_edge_(bins_),
-      step_length_(bins_),
+      search_(params),
+      stride_((static_cast<size_t>(width_) + 7) / 8 * 8 + 2),
+      steps_(bins() * plane() + 8),
       clutter_rows_((height_ + kClutterCell - 1) / kClutterCell),
       clutter_columns_((width_ + kClutterCell - 1) / kClutterCell),
-      clutter_(static_cast<size_t>(bins_) * clutter_rows_ * clutter_columns_),
+      clutter_(static_cast<size_t>(bins()) * clutter_rows_ * clutter_columns_),
       ignore_(image.ignore) {
-  const std::vector<EdgePixel> pixels = listEdgePixels(image);
-  const double sine = std::sin(params.orientation_tolerance_deg * M_PI / 180);
-  const cv::Mat area = usableArea(ignore_, clutter_rows_, clutter_columns_, width_, height_);
+  const auto sine = static_cast<float>(std::sin(params.orientation_tolerance_deg * M_PI / 180));
   const int window_cells = std::max(1, params.clutter_window / kClutterCell) | 1;
+  const cv::Mat usable = windowSum(
+      usableArea(ignore_, clutter_rows_, clutter_columns_, width_, height_), window_cells);
+  const std::vector<const EdgePixel*> by_column = sortedByColumn(pixels);
 
-  tbb::parallel_for(0, bins_, [&](int bin) {
-    const Eigen::Vector2d direction = diamondDirection(2.0 * bin / bins_);
-    const Eigen::Vector2d normal(-direction.y(), direction.x());
-    // The table is made with the normal's longer axis as the row axis.
-    const bool transposed = std::abs(normal.x()) > std::abs(normal.y());
-    const int rows = transposed ? width_ : height_, cols = transposed ? height_ : width_;
-    const double slope = transposed ? normal.y() / normal.x() : normal.x() / normal.y();
-    step_length_[bin] = std::hypot(1.0, slope);
-    no_edge_[bin] = static_cast<uint8_t>(std::floor(search_length_ / step_length_[bin]) + 1);
-
+  tbb::parallel_for(0, bins(), [&](int bin) {
+    const Eigen::Vector2d normal = normalOfBin(bin, bins());
+    const bool transposed = isTransposed(normal);
+    const auto du = static_cast<float>(normal.y()), dv = static_cast<float>(-normal.x());
     cv::Mat count = cv::Mat::zeros(clutter_rows_, clutter_columns_, CV_32F);
-    std::vector<uint8_t> edge(plane(), 0);
-    for (const EdgePixel& p : pixels) {
+    std::vector<RowPixel> matching;
+    const auto add = [&](const EdgePixel& p) {
       // Angle between line directions: sine of it is |edge normal . model direction|.
-      if (std::abs(p.nx * direction.x() + p.ny * direction.y()) > sine) continue;
-      edge[transposed ? static_cast<size_t>(p.x) * cols + p.y
-                      : static_cast<size_t>(p.y) * cols + p.x] = 1;
+      if (std::abs(p.normal_x * du + p.normal_y * dv) > sine) return;
+      matching.push_back(transposed ? RowPixel{p.x, p.y} : RowPixel{p.y, p.x});
       count.at<float>(p.y / kClutterCell, p.x / kClutterCell) += 1;
-    }
-    storeClutter(count, area, window_cells,
+    };
+    if (transposed)
+      for (const EdgePixel* p : by_column) add(*p);
+    else
+      for (const EdgePixel& p : pixels.list()) add(p);
+    storeClutter(count, usable, window_cells,
                  &clutter_[static_cast<size_t>(bin) * clutter_rows_ * clutter_columns_]);
-    uint8_t* out = &steps_[static_cast<size_t>(bin) * plane()];
+    uint8_t* out = &steps_[static_cast<size_t>(bin) * plane() + 1];
+    const uint8_t none = search_.noEdge(bin);
     if (transposed) {
-      std::vector<uint8_t> turned(plane());
-      directionalTransform(edge.data(), rows, cols, slope, no_edge_[bin], turned.data());
-      const cv::Mat from(rows, cols, CV_8U, turned.data());
-      cv::Mat to(height_, width_, CV_8U, out);
+      const size_t turned_stride = static_cast<size_t>(height_) + 2;
+      LargeBuffer<uint8_t> turned(turned_stride * width_);
+      directionalTransform(matching, width_, height_, slopeOf(normal), none, turned.data() + 1,
+                           turned_stride);
+      const cv::Mat from(width_, height_, CV_8U, turned.data() + 1, turned_stride);
+      cv::Mat to(height_, width_, CV_8U, out, stride_);
       cv::transpose(from, to);
     } else {
-      directionalTransform(edge.data(), rows, cols, slope, no_edge_[bin], out);
+      directionalTransform(matching, height_, width_, slopeOf(normal), none, out, stride_);
     }
   });
 }
 
 double EdgeField::distance(int bin, int x, int y) const {
-  const uint8_t s = steps(bin)[static_cast<size_t>(y) * width_ + x];
-  if (s == no_edge_[bin]) return std::numeric_limits<double>::infinity();
-  return s * step_length_[bin];
+  const uint8_t s = steps(bin)[static_cast<size_t>(y) * stride_ + x];
+  if (s == search_.noEdge(bin)) return std::numeric_limits<double>::infinity();
+  return s * search_.stepLength(bin);
 }
 
 NormalHit searchAlongNormal(const EdgeImage& image, const Eigen::Vector2d& pixel,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "edge_mcl/core/edge_pixels.h"
 #include "edge_mcl/core/image_edges.h"
 #include "edge_mcl/core/large_buffer.h"
 #include "edge_mcl/core/parameters.h"
@@ -18,19 +19,39 @@ double diamondAngle(double du, double dv);
 /// Unit direction of a diamond angle.
 Eigen::Vector2d diamondDirection(double diamond_angle);
 
+/// The normals that are searched: one direction per bin, walked in steps of one pixel along the
+/// longer axis.
+class SearchGeometry {
+ public:
+  explicit SearchGeometry(const ImageParameters& params);
+  int bins() const { return static_cast<int>(step_length_.size()); }
+  /// Longest normal, pixels.
+  double length() const { return length_; }
+  /// Length of one step along the normal of a bin, pixels (1 to sqrt 2).
+  double stepLength(int bin) const { return step_length_[bin]; }
+  /// What stands for "no edge in reach": one more than the steps that are.
+  uint8_t noEdge(int bin) const { return no_edge_[bin]; }
+
+ private:
+  double length_;
+  std::vector<double> step_length_;
+  std::vector<uint8_t> no_edge_;
+};
+
 /// Table over bins of the edge's direction; bin b stands for the diamond angle 2 b / bins.
 class EdgeField {
  public:
-  EdgeField(const EdgeImage& image, const ImageParameters& params);
+  /// @param pixels of the image.
+  EdgeField(const EdgeImage& image, const EdgePixels& pixels, const ImageParameters& params);
 
   int width() const { return width_; }
   int height() const { return height_; }
-  int bins() const { return bins_; }
-  /// Pixel steps to the nearest edge at row-major (y, x); noEdge(bin) where none is in reach.
-  const uint8_t* steps(int bin) const { return &steps_[static_cast<size_t>(bin) * plane()]; }
-  uint8_t noEdge(int bin) const { return no_edge_[bin]; }
-  /// Length of one step along the normal of a bin, pixels (1 to sqrt 2).
-  double stepLength(int bin) const { return step_length_[bin]; }
+  int bins() const { return search_.bins(); }
+  const SearchGeometry& search() const { return search_; }
+  /// Steps along the normal to the nearest edge, rows of stepsStride() elements, readable up to
+  /// the next multiple of eight; search().noEdge(bin) where none is in reach.
+  const uint8_t* steps(int bin) const { return &steps_[static_cast<size_t>(bin) * plane() + 1]; }
+  size_t stepsStride() const { return stride_; }
   /// Distance in pixels, infinity where no edge is in reach.
   double distance(int bin, int x, int y) const;
   /// Density of edges of this direction around a pixel: edges per pixel along the normal, one
@@ -41,17 +62,15 @@ class EdgeField {
                     x / kClutterCell];
   }
   static constexpr int kClutterCell = 8;  ///< pixels over which the density is constant
-  double searchLength() const { return search_length_; }
   /// CV_8U ignore mask, empty without one.
   const cv::Mat& ignore() const { return ignore_; }
 
  private:
-  size_t plane() const { return static_cast<size_t>(width_) * height_; }
-  int width_, height_, bins_;
-  double search_length_;
+  size_t plane() const { return stride_ * height_; }
+  int width_, height_;
+  SearchGeometry search_;
+  size_t stride_;  // a column more on either side, always without edges
   LargeBuffer<uint8_t> steps_;
-  std::vector<uint8_t> no_edge_;
-  std::vector<double> step_length_;
   int clutter_rows_, clutter_columns_;
   std::vector<float> clutter_;
   cv::Mat ignore_;

@@ -13,6 +13,14 @@ const char* edgeKindName(EdgeKind kind) {
   return kNames[static_cast<int>(kind)];
 }
 
+uint16_t usedSamples(const EdgeSegment& segment, uint32_t thinning) {
+  const uint32_t past = segment.first_sample % thinning;
+  uint32_t mask = 0;
+  for (uint32_t i = past == 0 ? 0 : thinning - past; i < segment.sample_count; i += thinning)
+    mask |= 1u << i;
+  return static_cast<uint16_t>(mask);
+}
+
 size_t EdgeModel::countOf(EdgeKind kind) const {
   return static_cast<size_t>(
       std::count_if(lines.begin(), lines.end(), [&](const EdgeLine& l) { return l.kind == kind; }));

@@ -48,6 +48,10 @@ struct EdgeSegment {
   uint32_t sample_count = 0;
 };
 
+/// Bit i: sample i of the segment exists and its number in the whole model is a multiple of
+/// `thinning`.
+uint16_t usedSamples(const EdgeSegment& segment, uint32_t thinning);
+
 /// Lines, ordered by group; segments, ordered by line; samples, ordered by segment.
 struct EdgeModel {
   std::vector<EdgeLine> lines;

@@ -21,37 +21,51 @@ namespace {
 
 /// Bilinear gradient magnitude, zero outside.
 double magnitudeAt(const EdgeImage& image, double x, double y) {
-  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  if (x0 < 0 || y0 < 0 || x0 + 1 >= image.width() || y0 + 1 >= image.height()) return 0;
-  const auto at = [&](int px, int py) {
-    return std::hypot(image.gradient_x.at<int16_t>(py, px), image.gradient_y.at<int16_t>(py, px));
+  if (x < 0 || y < 0) return 0;
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  if (x0 + 1 >= image.width() || y0 + 1 >= image.height()) return 0;
+  const auto row = [&](int py) {
+    const int16_t *gx = image.gradient_x.ptr<int16_t>(py) + x0,
+                  *gy = image.gradient_y.ptr<int16_t>(py) + x0;
+    const auto at = [&](int i) {
+      const auto a = static_cast<float>(gx[i]), b = static_cast<float>(gy[i]);
+      return static_cast<double>(std::sqrt(a * a + b * b));
+    };
+    const double fx = x - x0;
+    return (1 - fx) * at(0) + fx * at(1);
   };
-  const double fx = x - x0, fy = y - y0;
-  return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) +
-         fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
+  const double fy = y - y0;
+  return (1 - fy) * row(y0) + fy * row(y0 + 1);
 }
 
 /// Threshold from a regular sub-sample of the magnitudes outside the mask.
 double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
   std::vector<float> magnitudes;
+  magnitudes.reserve(image.grey.total() / 9 + 1);
   for (int y = 1; y < image.height(); y += 3)
     for (int x = 1; x < image.width(); x += 3) {
       if (!image.ignore.empty() && image.ignore.at<uint8_t>(y, x)) continue;
-      magnitudes.push_back(std::hypot(static_cast<float>(image.gradient_x.at<int16_t>(y, x)),
-                                      static_cast<float>(image.gradient_y.at<int16_t>(y, x))));
+      const auto gx = static_cast<float>(image.gradient_x.at<int16_t>(y, x));
+      const auto gy = static_cast<float>(image.gradient_y.at<int16_t>(y, x));
+      magnitudes.push_back(std::sqrt(gx * gx + gy * gy));
     }
   constexpr double kLeast = 24;  // about one and a half grey levels across an edge
   if (magnitudes.empty()) return kLeast;
-  const auto quantile = [&](double q) {
+  auto sorted_below = magnitudes.begin();  // nothing from here on is smaller than what is before
+  const auto quantile = [&](double q) {    // to be called with growing q
     const auto nth =
         magnitudes.begin() + static_cast<long>(q * static_cast<double>(magnitudes.size() - 1));
-    std::nth_element(magnitudes.begin(), nth, magnitudes.end());
+    std::nth_element(sorted_below, nth, magnitudes.end());
+    sorted_below = nth;
     return static_cast<double>(*nth);
   };
   // The magnitude of Gaussian noise is Rayleigh distributed: median = 1.177 sigma. The lower
   // quartile (0.759 sigma) stays noise even when texture fills half of the image.
-  const double noise = quantile(0.25) / 0.759;
-  return std::max({kLeast, quantile(1 - params.edge_share), params.noise_factor * noise});
+  const bool edges_are_few = params.edge_share <= 0.75;
+  const double first = quantile(edges_are_few ? 0.25 : 1 - params.edge_share);
+  const double second = quantile(edges_are_few ? 1 - params.edge_share : 0.25);
+  const double noise = (edges_are_few ? first : second) / 0.759;
+  return std::max({kLeast, edges_are_few ? second : first, params.noise_factor * noise});
 }
 
 /// Keeps edges that lie on a straight segment of their own direction.
@@ -68,8 +82,7 @@ void keepStraightSegments(EdgeImage* image, double min_length) {
 
 }  // namespace
 
-Eigen::Vector2d EdgeImage::subPixel(int x, int y) const {
-  const Eigen::Vector2d n = normalAt(x, y);
+Eigen::Vector2d EdgeImage::subPixel(int x, int y, const Eigen::Vector2d& n) const {
   const double before = magnitudeAt(*this, x - n.x(), y - n.y());
   const double here = magnitudeAt(*this, x, y);
   const double after = magnitudeAt(*this, x + n.x(), y + n.y());

@@ -26,7 +26,9 @@ struct EdgeImage {
   Eigen::Vector2d normalAt(int x, int y) const;
   /// Position of the gradient's ridge near an edge pixel, to sub-pixel accuracy: parabola through
   /// the magnitudes one pixel to either side along the gradient.
-  Eigen::Vector2d subPixel(int x, int y) const;
+  Eigen::Vector2d subPixel(int x, int y) const { return subPixel(x, y, normalAt(x, y)); }
+  /// @param normal normalAt(x, y).
+  Eigen::Vector2d subPixel(int x, int y, const Eigen::Vector2d& normal) const;
 };
 
 /// Grey image of any 8- or 16-bit, 1-, 3- or 4-channel image. @throws InputError otherwise.

@@ -2,20 +2,20 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <type_traits>
-
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
 
 namespace edge_mcl {
 
+/// Memory from a store of blocks that were given back; at most 16 of them wait there. Thread-safe.
+/// @throws std::bad_alloc
+void* takeLargeBlock(size_t bytes);
+void giveLargeBlock(void* block, size_t bytes);
+
 /// Fixed-size array of numbers, not initialised. Large ones are put on huge pages where the system
 /// has them: tables are made anew for every image and read at random, and with small pages the
-/// faults and misses of the address translation cost a fifth of the time.
+/// faults and misses of the address translation cost a fifth of the time. For the same reason the
+/// memory is used again instead of being returned to the system.
 template <class T>
 class LargeBuffer {
   static_assert(std::is_trivial_v<T>, "the memory is not initialised");
@@ -23,15 +23,8 @@ class LargeBuffer {
  public:
   LargeBuffer() = default;
   explicit LargeBuffer(size_t size) : size_(size) {
-    constexpr size_t kHugePage = size_t{1} << 21, kSmall = 64;
-    const size_t alignment = size * sizeof(T) >= kHugePage ? kHugePage : kSmall;
-    const size_t bytes = (size * sizeof(T) + alignment - 1) / alignment * alignment;
-    if (bytes == 0) return;
-    data_.reset(static_cast<T*>(std::aligned_alloc(alignment, bytes)));
-    if (!data_) throw std::bad_alloc();
-#if defined(__linux__)
-    if (alignment == kHugePage) madvise(data_.get(), bytes, MADV_HUGEPAGE);
-#endif
+    const size_t bytes = size * sizeof(T);
+    if (bytes > 0) data_ = {static_cast<T*>(takeLargeBlock(bytes)), GiveBack{bytes}};
   }
   T* data() { return data_.get(); }
   const T* data() const { return data_.get(); }
@@ -40,10 +33,11 @@ class LargeBuffer {
   const T& operator[](size_t i) const { return data_.get()[i]; }
 
  private:
-  struct Free {
-    void operator()(T* p) const { std::free(p); }
+  struct GiveBack {
+    size_t bytes = 0;
+    void operator()(T* p) const { giveLargeBlock(p, bytes); }
   };
-  std::unique_ptr<T, Free> data_;
+  std::unique_ptr<T, GiveBack> data_;
   size_t size_ = 0;
 };
 

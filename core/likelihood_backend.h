@@ -19,12 +19,15 @@ struct LikelihoodFrame {
   std::shared_ptr<const ScoreTable> table;
   LikelihoodParameters params;
   double sample_step = 0;  ///< of the edge model, metres
+  /// Only every so many-th sample of the model counts, by its number in the whole model. Scores are
+  /// comparable only at the same thinning.
+  uint32_t thinning = 1;
 };
 
 /// Factor of a sample's weight: min(1, scale * (|a| + |b|)), with (a, b) the derivative of the
 /// pixel by the position along the line. In the robust model the product is the spacing of the
-/// samples in the image in units of the correlation length. In the paper's model the derivative
-/// is multiplied by the depth, so that only edges seen almost end-on fade.
+/// used samples in the image in units of the correlation length. In the paper's model the
+/// derivative is multiplied by the depth, so that only edges seen almost end-on fade.
 double spacingScale(const LikelihoodFrame& frame);
 
 /// What the image says of one pose.

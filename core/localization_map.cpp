@@ -1,5 +1,7 @@
 #include "edge_mcl/core/localization_map.h"
 
+#include <algorithm>
+#include <bitset>
 #include <chrono>
 
 #include "edge_mcl/core/edge_field.h"
@@ -28,6 +30,7 @@ void LocalizationMap::build() {
   edges_ = std::make_unique<EdgeModel>(buildEdgeModel(mesh_.get(), params_.map));
   visibility_ = std::make_shared<Visibility>(*mesh_, *edges_, params_.visibility);
   backend_ = std::make_unique<CpuBackend>(visibility_);
+  levels_ = std::make_unique<ScoreLevels>(params_.image, params_.likelihood);
   refiner_ = std::make_unique<PoseRefiner>(params_.refinement, params_.likelihood, params_.image);
 }
 
@@ -46,14 +49,32 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
   auto prepared = std::make_shared<PreparedImage>();
   const auto t0 = Clock::now();
   prepared->edges = findEdges(image, mask, params_.image, origin);
+  prepared->pixels = EdgePixels(prepared->edges);
   const auto t1 = Clock::now();
-  const EdgeField field(prepared->edges, params_.image);
+  const EdgeField field(prepared->edges, prepared->pixels, params_.image);
   const auto t2 = Clock::now();
-  prepared->frame = {camera, std::make_shared<ScoreTable>(field, params_.likelihood),
-                     params_.likelihood, edges_->sample_step};
+  prepared->frame = {camera, std::make_shared<ScoreTable>(field, *levels_), params_.likelihood,
+                     edges_->sample_step};
   const auto t3 = Clock::now();
   prepared->times = {milliseconds(t0, t1), milliseconds(t1, t2), milliseconds(t2, t3)};
   return prepared;
+}
+
+uint32_t LocalizationMap::thinningFor(const CameraView& view, const Pose& base_pose,
+                                      size_t most) const {
+  if (most == 0) return 1;
+  const Pose camera_pose = base_pose * view.T_base_camera;
+  const Pose camera_from_map = camera_pose.inverse();
+  const CameraModel& camera = view.image->frame.camera;
+  const auto set = visibility_->cached(visibility_->cellOf(camera_pose.translation()));
+  size_t count = 0;  // estimated from the middles of the segments
+  for (const VisibleSet::Segment& segment : set->segments) {
+    Eigen::Vector2d pixel;
+    if (camera.project(camera_from_map * set->edgeSegment(segment).centre.cast<double>(), &pixel) &&
+        camera.contains(pixel))
+      count += std::bitset<16>(segment.samples).count();
+  }
+  return static_cast<uint32_t>(std::max<size_t>(1, (count + most / 2) / most));
 }
 
 std::vector<PoseScore> LocalizationMap::evaluate(const std::vector<CameraView>& views,
@@ -62,7 +83,9 @@ std::vector<PoseScore> LocalizationMap::evaluate(const std::vector<CameraView>& 
   for (const CameraView& view : views) {
     std::vector<Pose> camera_poses(base_poses);
     for (Pose& pose : camera_poses) pose = pose * view.T_base_camera;
-    const std::vector<PoseScore> scores = backend_->evaluate(view.image->frame, camera_poses);
+    LikelihoodFrame frame = view.image->frame;
+    frame.thinning = view.thinning;
+    const std::vector<PoseScore> scores = backend_->evaluate(frame, camera_poses);
     for (size_t i = 0; i < scores.size(); ++i) {
       total[i].log_likelihood += scores[i].log_likelihood;
       total[i].sample_weight += scores[i].sample_weight;
@@ -74,13 +97,27 @@ std::vector<PoseScore> LocalizationMap::evaluate(const std::vector<CameraView>& 
 
 RefinementResult LocalizationMap::refine(const std::vector<CameraView>& views, const Pose& start,
                                          const std::optional<PoseGaussian>& prior) const {
+  return refine(views, start, prior,
+                {params_.refinement.iterations, params_.refinement.max_samples});
+}
+
+RefinementResult LocalizationMap::refineRoughly(const std::vector<CameraView>& views,
+                                                const Pose& start,
+                                                const std::optional<PoseGaussian>& prior) const {
+  return refine(views, start, prior,
+                {params_.refinement.start_iterations, params_.refinement.start_samples});
+}
+
+RefinementResult LocalizationMap::refine(const std::vector<CameraView>& views, const Pose& start,
+                                         const std::optional<PoseGaussian>& prior,
+                                         const RefinementEffort& effort) const {
   std::vector<RefinementView> refinement_views;
   for (const CameraView& view : views) {
     const Eigen::Vector3d eye = (start * view.T_base_camera).translation();
-    refinement_views.push_back({&view.image->frame.camera, &view.image->edges,
+    refinement_views.push_back({&view.image->frame.camera, &view.image->edges, &view.image->pixels,
                                 visibility_->cached(visibility_->cellOf(eye)), view.T_base_camera});
   }
-  return refiner_->refine(refinement_views, start, prior);
+  return refiner_->refine(refinement_views, start, prior, effort);
 }
 
 }  // namespace edge_mcl

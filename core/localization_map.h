@@ -9,6 +9,7 @@
 
 #include "edge_mcl/core/cpu_backend.h"
 #include "edge_mcl/core/edge_model.h"
+#include "edge_mcl/core/edge_pixels.h"
 #include "edge_mcl/core/image_edges.h"
 #include "edge_mcl/core/mesh_model.h"
 #include "edge_mcl/core/parameters.h"
@@ -25,6 +26,7 @@ struct StageTimes {
 /// A camera image, ready to be compared with poses. Immutable and shareable.
 struct PreparedImage {
   EdgeImage edges;
+  EdgePixels pixels;  ///< of the edges
   LikelihoodFrame frame;
   StageTimes times;
 };
@@ -33,6 +35,7 @@ struct PreparedImage {
 struct CameraView {
   std::shared_ptr<const PreparedImage> image;
   Pose T_base_camera = Pose::Identity();
+  uint32_t thinning = 1;  ///< see LikelihoodFrame
 };
 
 class LocalizationMap {
@@ -56,6 +59,10 @@ class LocalizationMap {
                                                const cv::Mat& mask,
                                                const std::string& origin) const;
 
+  /// The thinning at which about `most` samples are inside the image at this pose of the base;
+  /// 0 = all.
+  uint32_t thinningFor(const CameraView& view, const Pose& base_pose, size_t most) const;
+
   /// Scores T_map_base poses: sums over the views.
   std::vector<PoseScore> evaluate(const std::vector<CameraView>& views,
                                   const std::vector<Pose>& base_poses) const;
@@ -63,15 +70,22 @@ class LocalizationMap {
   /// Refines T_map_base; visibility is taken at the start.
   RefinementResult refine(const std::vector<CameraView>& views, const Pose& start,
                           const std::optional<PoseGaussian>& prior) const;
+  /// The same, cheaper and less exact: refinement.start_iterations and start_samples.
+  RefinementResult refineRoughly(const std::vector<CameraView>& views, const Pose& start,
+                                 const std::optional<PoseGaussian>& prior) const;
 
  private:
   void build();
+  RefinementResult refine(const std::vector<CameraView>& views, const Pose& start,
+                          const std::optional<PoseGaussian>& prior,
+                          const RefinementEffort& effort) const;
   Parameters params_;
   // Behind pointers: Visibility refers to mesh and edges, and the map can be moved.
   std::unique_ptr<MeshModel> mesh_;
   std::unique_ptr<EdgeModel> edges_;
   std::shared_ptr<Visibility> visibility_;
   std::unique_ptr<LikelihoodBackend> backend_;
+  std::unique_ptr<ScoreLevels> levels_;
   std::unique_ptr<PoseRefiner> refiner_;
 };
 

@@ -238,9 +238,13 @@ void Parameters::validate() const {
   require(likelihood.line_correlation >= 0 && likelihood.line_correlation <= 1,
           "likelihood.line_correlation", "0 to 1");
   require(positive(likelihood.scale), "likelihood.scale", "positive");
+  require(likelihood.max_samples >= 0, "likelihood.max_samples", "zero or more");
   require(not_negative(likelihood.border_fade), "likelihood.border_fade", "zero or more");
   require(refinement.iterations >= 1 && refinement.iterations <= 1000, "refinement.iterations",
           "1 to 1000");
+  require(refinement.start_iterations >= 1 && refinement.start_iterations <= 1000,
+          "refinement.start_iterations", "1 to 1000");
+  require(refinement.start_samples >= 6, "refinement.start_samples", "at least 6");
   require(refinement.search_length >= 1 && refinement.search_length <= 200,
           "refinement.search_length", "1 to 200");
   require(refinement.final_search_length >= 1 &&

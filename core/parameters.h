@@ -110,6 +110,7 @@ struct LikelihoodParameters {
   double line_correlation = 0.5;
   double scale = 8;
   double border_fade = 4;
+  int max_samples = 1000;
   BackendChoice backend = BackendChoice::kAuto;
 
   template <class Visitor>
@@ -128,6 +129,9 @@ struct LikelihoodParameters {
       "robust model: correlation between lines; 0 adds them up, 1 averages them as eq. (3) does");
     v("scale", scale, "", "robust model: factor on the log-likelihood, see line_correlation");
     v("border_fade", border_fade, "px", "samples fade in over this distance from the image border");
+    v("max_samples", max_samples, "",
+      "samples per particle and image in the filter's updates; more are thinned out evenly; 0 = "
+      "all");
     v("backend", backend, "", "what computes it: cpu, cuda, or auto: cuda where a device answers");
   }
 };
@@ -141,6 +145,8 @@ struct RefinementParameters {
   double sigma = 1.5;
   int starts = 6;
   int max_samples = 800;
+  int start_iterations = 5;
+  int start_samples = 400;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -151,6 +157,9 @@ struct RefinementParameters {
     v("sigma", sigma, "px", "noise of an edge along its normal");
     v("starts", starts, "", "particles from which refinement starts");
     v("max_samples", max_samples, "", "samples used per camera; more are thinned out evenly");
+    v("start_iterations", start_iterations, "",
+      "Gauss-Newton steps from each of the `starts`, whose results only guide particles");
+    v("start_samples", start_samples, "", "samples used there");
   }
 };
 

@@ -1,10 +1,10 @@
 #include "edge_mcl/core/pose_refiner.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-
-#include "edge_mcl/core/edge_field.h"
 
 namespace edge_mcl {
 
@@ -22,104 +22,158 @@ struct PoseRefiner::NormalEquations {
   Matrix6 h = Matrix6::Zero();
   Twist g = Twist::Zero();
   int matched = 0, used = 0;
+  NormalEquations& operator+=(const NormalEquations& other) {
+    h += other.h;
+    g += other.g;
+    matched += other.matched;
+    used += other.used;
+    return *this;
+  }
 };
 
-namespace {
+/// Samples of one view that a refinement uses, picked once, at its start.
+struct PoseRefiner::ChosenSamples {
+  struct Sample {
+    Eigen::Vector3d point, tangent;  // map frame
+    double facing;
+    bool ends_group;
+  };
+  std::vector<Sample> samples;
+  double stride = 1;           ///< every so many-th is among them
+  std::vector<size_t> pieces;  ///< borders of pieces of work, between lines; first and last too
+};
 
-/// Number of samples inside the image, estimated from the middles of the segments.
-size_t inImage(const RefinementView& view, const Pose& pose) {
-  const Pose camera_from_map = pose.inverse();
+PoseRefiner::ChosenSamples PoseRefiner::choose(const RefinementView& view, const Pose& base_pose,
+                                               int most) const {
+  const VisibleSet& set = *view.visible;
+  const CameraModel& camera = *view.camera;
+  const Pose camera_from_map = (base_pose * view.T_base_camera).inverse();
+  // A pose moves by about the reach of the normals while it is refined.
+  const double margin = 2 * refinement_.search_length;
+  std::vector<size_t> near;  // segments whose middle is in the image or close to it
   size_t count = 0;
-  for (const VisibleSet::Segment& segment : view.visible->segments) {
+  for (size_t k = 0; k < set.segments.size(); ++k) {
+    const EdgeSegment& edge = set.edgeSegment(set.segments[k]);
     Eigen::Vector2d pixel;
-    const EdgeSegment& edge = view.visible->edgeSegment(segment);
-    if (view.camera->project(camera_from_map * edge.centre.cast<double>(), &pixel) &&
-        view.camera->contains(pixel))
-      count += edge.sample_count;
+    const Eigen::Vector3d p = camera_from_map * edge.centre.cast<double>();
+    if (p.z() < -edge.radius || !camera.project(p, &pixel)) continue;
+    const double reach = margin + edge.radius * camera.fx / p.z();
+    if (pixel.x() < -reach || pixel.y() < -reach || pixel.x() > camera.width - 1 + reach ||
+        pixel.y() > camera.height - 1 + reach)
+      continue;
+    near.push_back(k);
+    if (camera.contains(pixel)) count += edge.sample_count;
   }
-  return count;
+  const size_t stride = std::max<size_t>(1, count / static_cast<size_t>(most));
+  ChosenSamples chosen;
+  chosen.stride = static_cast<double>(stride);
+  size_t phase = 0;
+  uint32_t last_group = 0;
+  for (const size_t k : near) {
+    const VisibleSet::Segment& segment = set.segments[k];
+    const EdgeSegment& edge = set.edgeSegment(segment);
+    const EdgeLine& line = set.line(segment);
+    for (uint32_t i = 0; i < edge.sample_count; ++i) {
+      if (!(segment.samples >> i & 1u) || phase++ % stride != 0) continue;
+      if (!chosen.samples.empty()) chosen.samples.back().ends_group = last_group != line.group;
+      last_group = line.group;
+      chosen.samples.push_back({set.model->samplePosition(edge, i), line.tangent().cast<double>(),
+                                VisibleSet::facingWeight(segment), true});
+    }
+  }
+  constexpr size_t kPiece = 250;
+  chosen.pieces = {0};
+  for (size_t i = 0; i < chosen.samples.size(); ++i)
+    if (chosen.samples[i].ends_group &&
+        (i + 1 == chosen.samples.size() || i + 1 - chosen.pieces.back() >= kPiece))
+      chosen.pieces.push_back(i + 1);
+  return chosen;
 }
-
-}  // namespace
 
 PoseRefiner::PoseRefiner(RefinementParameters refinement, LikelihoodParameters likelihood,
                          ImageParameters image)
     : refinement_(refinement), likelihood_(likelihood), image_(image) {}
 
 PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
+                                                    const ChosenSamples& chosen,
                                                     const Pose& base_pose, double search_length,
                                                     double sigma,
                                                     const Matrix6* prior_covariance) const {
   const CameraModel& camera = *view.camera;
   const EdgeImage& image = *view.image;
-  const VisibleSet& set = *view.visible;
-  const Pose pose = base_pose * view.T_base_camera;
-  NormalEquations total, line;
-  const uint32_t stride = std::max<uint32_t>(
-      1, static_cast<uint32_t>(inImage(view, pose) / static_cast<size_t>(refinement_.max_samples)));
-  uint32_t phase = 0;
-  const Pose camera_from_map = pose.inverse();
+  const Pose camera_from_map = (base_pose * view.T_base_camera).inverse();
   // The camera moves with the base: xi_camera = Ad(T_camera_base) xi_base.
   const Matrix6 to_base = adjoint(view.T_base_camera.inverse());
   Matrix6 camera_covariance = Matrix6::Zero();
   if (prior_covariance) camera_covariance = to_base * *prior_covariance * to_base.transpose();
-  const double tolerance_cos = std::cos(image_.orientation_tolerance_deg * M_PI / 180);
+  const auto tolerance_cos =
+      static_cast<float>(std::cos(image_.orientation_tolerance_deg * M_PI / 180));
   const double e = likelihood_.missing_edge;
   const double clutter_density = e / (2 * search_length);
   const double peak = (1 - e) / (std::sqrt(2 * M_PI) * sigma);
-  for (size_t k = 0; k < set.segments.size(); ++k) {
-    const VisibleSet::Segment& segment = set.segments[k];
-    const EdgeSegment& edge = set.edgeSegment(segment);
-    const Eigen::Vector3d tangent =
-        camera_from_map.linear() * set.line(segment).tangent().cast<double>();
-    for (uint32_t i = 0; i < edge.sample_count; ++i) {
-      if (!(segment.samples >> i & 1u) || phase++ % stride != 0) continue;
-      const Eigen::Vector3d p = camera_from_map * set.model->samplePosition(edge, i);
-      Eigen::Vector2d pixel;
-      if (!camera.project(p, &pixel) || !camera.contains(pixel)) continue;
-      const int x = static_cast<int>(std::lround(pixel.x()));
-      const int y = static_cast<int>(std::lround(pixel.y()));
-      if (!image.ignore.empty() && image.ignore.at<uint8_t>(y, x)) continue;
-      Eigen::Matrix<double, 2, 6> jacobian;
-      if (!pixelJacobian(camera, p, &pixel, &jacobian)) continue;
-      // The first three columns are minus the projection's Jacobian.
-      const Eigen::Vector2d direction = -jacobian.leftCols<3>() * tangent;
-      if (direction.norm() < 1e-6) continue;
-      const Eigen::Vector2d normal = Eigen::Vector2d(-direction.y(), direction.x()).normalized();
-      const Twist row = (normal.transpose() * jacobian).transpose();
-      ++line.used;
-      // The prior says how far along this normal the edge can be (active search).
-      double length = search_length;
-      if (prior_covariance) {
-        const double spread = std::sqrt(row.dot(camera_covariance * row));
-        length = std::min(length, std::max(refinement_.final_search_length / 2, 3 * spread + 2));
-      }
-      const NormalHit hit = searchAlongNormal(image, pixel, normal, length, tolerance_cos);
-      if (!hit.found) continue;
-      ++line.matched;
-      const double residual = normal.dot(image.subPixel(hit.x, hit.y) - pixel);
-      const double inlier = peak * std::exp(-residual * residual / (2 * sigma * sigma));
-      const double weight =
-          VisibleSet::facingWeight(segment) * inlier / (inlier + clutter_density) / (sigma * sigma);
-      line.h.noalias() += weight * row * row.transpose();
-      line.g += weight * residual * row;
+  const auto add = [&](const ChosenSamples::Sample& sample, NormalEquations* line) {
+    const Eigen::Vector3d p = camera_from_map * sample.point;
+    Eigen::Vector2d pixel;
+    Eigen::Matrix<double, 2, 3> projection;
+    if (!camera.project(p, &pixel, &projection) || !camera.contains(pixel)) return;
+    if (!image.ignore.empty() && image.ignore.at<uint8_t>(static_cast<int>(pixel.y() + 0.5),
+                                                          static_cast<int>(pixel.x() + 0.5)))
+      return;
+    const Eigen::Vector2d direction = projection * (camera_from_map.linear() * sample.tangent);
+    if (direction.squaredNorm() < 1e-12) return;
+    const Eigen::Vector2d normal = Eigen::Vector2d(-direction.y(), direction.x()).normalized();
+    // normal . pixelJacobian
+    const Eigen::Vector3d along = projection.transpose() * normal;
+    Twist row;
+    row << -along, along.cross(p);
+    ++line->used;
+    // The prior says how far along this normal the edge can be (active search).
+    double length = search_length;
+    if (prior_covariance) {
+      const double spread = std::sqrt(row.dot(camera_covariance * row));
+      length = std::min(length, std::max(refinement_.final_search_length / 2, 3 * spread + 2));
     }
-    if (!set.endsGroup(k)) continue;
-    // As in the robust likelihood, one line says at most as much as `line_saturation` samples.
-    const double share = stride / (1 + stride * line.used / likelihood_.line_saturation);
-    total.h += share * line.h;
-    total.g += share * line.g;
-    total.matched += line.matched;
-    total.used += line.used;
-    line = {};
-  }
+    const EdgePixel* hit =
+        view.pixels->nearestAlong(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
+                                  static_cast<float>(normal.x()), static_cast<float>(normal.y()),
+                                  static_cast<float>(length), tolerance_cos);
+    if (hit == nullptr) return;
+    ++line->matched;
+    const double residual = normal.dot(Eigen::Vector2d(hit->ridge_x, hit->ridge_y) - pixel);
+    const double inlier = peak * std::exp(-residual * residual / (2 * sigma * sigma));
+    const double weight = sample.facing * inlier / (inlier + clutter_density) / (sigma * sigma);
+    line->h.noalias() += (weight * row) * row.transpose();
+    line->g += weight * residual * row;
+  };
+  const auto addLines = [&](size_t begin, size_t end) {
+    NormalEquations sum, line;
+    for (size_t i = begin; i < end; ++i) {
+      add(chosen.samples[i], &line);
+      if (!chosen.samples[i].ends_group) continue;
+      // As in the robust likelihood, one line says at most as much as `line_saturation` samples.
+      const double share =
+          chosen.stride / (1 + chosen.stride * line.used / likelihood_.line_saturation);
+      line.h *= share;
+      line.g *= share;
+      sum += line;
+      line = {};
+    }
+    return sum;
+  };
+  // Whole lines, in pieces that don't depend on the number of threads.
+  std::vector<NormalEquations> sums(chosen.pieces.size() - 1);
+  tbb::parallel_for(size_t{0}, sums.size(),
+                    [&](size_t p) { sums[p] = addLines(chosen.pieces[p], chosen.pieces[p + 1]); });
+  NormalEquations total;
+  for (const NormalEquations& sum : sums) total += sum;
   total.h = to_base.transpose() * total.h * to_base;
   total.g = to_base.transpose() * total.g;
   return total;
 }
 
 RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, const Pose& start,
-                                     const std::optional<PoseGaussian>& prior) const {
+                                     const std::optional<PoseGaussian>& prior,
+                                     const RefinementEffort& effort) const {
   RefinementResult result;
   result.pose = start;
   Matrix6 prior_information = Matrix6::Zero();
@@ -127,7 +181,10 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
     prior_information =
         (prior->covariance + 1e-12 * Matrix6::Identity()).ldlt().solve(Matrix6::Identity());
   Matrix6 information = Matrix6::Identity();
-  const int steps = refinement_.iterations;
+  const int steps = effort.iterations;
+  std::vector<ChosenSamples> chosen;
+  chosen.reserve(views.size());
+  for (const RefinementView& view : views) chosen.push_back(choose(view, start, effort.samples));
   for (int step = 0; step < steps; ++step) {
     const double progress = steps > 1 ? static_cast<double>(step) / (steps - 1) : 1;
     const double length =
@@ -135,13 +192,10 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
         std::pow(refinement_.final_search_length / refinement_.search_length, progress);
     const double sigma = std::max(refinement_.sigma, length / 4);
     NormalEquations n;
-    for (const RefinementView& view : views) {
-      const NormalEquations of_view =
-          linearize(view, result.pose, length, sigma, prior ? &prior->covariance : nullptr);
-      n.h += of_view.h;
-      n.g += of_view.g;
-      n.matched += of_view.matched;
-      n.used += of_view.used;
+    for (size_t k = 0; k < views.size(); ++k) {
+      const NormalEquations of_view = linearize(views[k], chosen[k], result.pose, length, sigma,
+                                                prior ? &prior->covariance : nullptr);
+      n += of_view;
     }
     result.matched_samples = n.matched;
     result.used_samples = n.used;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "edge_mcl/core/camera_model.h"
+#include "edge_mcl/core/edge_pixels.h"
 #include "edge_mcl/core/image_edges.h"
 #include "edge_mcl/core/parameters.h"
 #include "edge_mcl/core/se3.h"
@@ -21,6 +22,7 @@ namespace edge_mcl {
 struct RefinementView {
   const CameraModel* camera = nullptr;
   const EdgeImage* image = nullptr;
+  const EdgePixels* pixels = nullptr;  ///< of the image
   std::shared_ptr<const VisibleSet> visible;
   Pose T_base_camera = Pose::Identity();
 };
@@ -33,6 +35,12 @@ struct RefinementResult {
   bool converged = false;   ///< the last step moved less than 0.1 mm and 0.01 degrees
 };
 
+/// How much a refinement may cost.
+struct RefinementEffort {
+  int iterations = 0;
+  int samples = 0;  ///< per camera
+};
+
 class PoseRefiner {
  public:
   PoseRefiner(RefinementParameters refinement, LikelihoodParameters likelihood,
@@ -42,12 +50,16 @@ class PoseRefiner {
   /// Without prior and with too few edges (six independent ones are needed) the start is returned
   /// with matched_samples < 6.
   RefinementResult refine(const std::vector<RefinementView>& views, const Pose& start,
-                          const std::optional<PoseGaussian>& prior) const;
+                          const std::optional<PoseGaussian>& prior,
+                          const RefinementEffort& effort) const;
 
  private:
+  struct ChosenSamples;
   struct NormalEquations;
-  NormalEquations linearize(const RefinementView& view, const Pose& base_pose, double search_length,
-                            double sigma, const Matrix6* prior_covariance) const;
+  ChosenSamples choose(const RefinementView& view, const Pose& base_pose, int most) const;
+  NormalEquations linearize(const RefinementView& view, const ChosenSamples& chosen,
+                            const Pose& base_pose, double search_length, double sigma,
+                            const Matrix6* prior_covariance) const;
   RefinementParameters refinement_;
   LikelihoodParameters likelihood_;
   ImageParameters image_;

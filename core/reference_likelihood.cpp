@@ -86,7 +86,7 @@ PoseScore sumLines(const LikelihoodFrame& frame, const VisibleSet& set, const Po
     const double facing =
         frame.params.model == LikelihoodModel::kRobust ? VisibleSet::facingWeight(segment) : 1.0;
     for (uint32_t i = 0; i < edge.sample_count; ++i) {
-      if (!(segment.samples >> i & 1u)) continue;
+      if (!(segment.samples >> i & 1u) || (edge.first_sample + i) % frame.thinning != 0) continue;
       const ProjectedSample s =
           projectSample(frame, camera_from_map, set.model->samplePosition(edge, i), tangent);
       double score = 0;
@@ -116,7 +116,7 @@ PoseScore paperFlowScore(const LikelihoodFrame& frame, const EdgeImage& image,
                          const ImageParameters& image_params, const Visibility& visibility,
                          const Pose& pose) {
   const double tolerance = std::cos(image_params.orientation_tolerance_deg * M_PI / 180);
-  const VisibleSet set = visibility.exact(pose.translation());
+  const VisibleSet set = visibility.exact(pose.translation(), frame.thinning);
   return sumLines(frame, set, pose, [&](const ProjectedSample& s, double* score) {
     const int x = static_cast<int>(std::lround(s.pixel.x()));
     const int y = static_cast<int>(std::lround(s.pixel.y()));

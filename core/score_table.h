@@ -8,33 +8,16 @@
 #include "edge_mcl/core/edge_field.h"
 #include "edge_mcl/core/large_buffer.h"
 #include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/score_levels.h"
 
 namespace edge_mcl {
-
-/// Score of one sample as a function of its distance d to the image edge.
-///  - paper model: g(d) of equation (1); 0 where no edge is in reach.
-///  - robust model: log-ratio r(d) of "a model edge is here" to "none is", docs/likelihood.md:
-///    log(e + (1 - e) p1(d) / p0(d)), p1 half-normal, p0 exponential with the image's own local
-///    density of edges of this direction; minus its mean under p0, so that a pose that matches no
-///    better than chance scores 0, like one that sees nothing of the model.
-/// @param distance pixels, infinity for none. @param clutter edges per pixel along the normal.
-double sampleScore(const LikelihoodParameters& params, double distance, double clutter,
-                   double search_length);
-
-/// Mean of the uncentred log-ratio under p0: what chance would give.
-double meanLogRatioByChance(const LikelihoodParameters& params, double clutter,
-                            double search_length);
-
-/// Keeps a measured density of edges in the range that the model can use: an empty image knows
-/// nothing of its clutter, a full one has at most an edge every few pixels.
-double usableClutter(double density);
 
 /// Scores as bytes, 1..255 linear between lowest and highest score; 0 marks ignored pixels, in
 /// every bin. A bin and the next one (cyclic) are stored side by side, as the kernels interpolate
 /// between them; a row and a column more than the image has spare them the border.
 class ScoreTable {
  public:
-  ScoreTable(const EdgeField& field, const LikelihoodParameters& params);
+  ScoreTable(const EdgeField& field, const ScoreLevels& levels);
 
   int width() const { return width_; }
   int height() const { return height_; }

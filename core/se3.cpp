@@ -1,5 +1,7 @@
 #include "edge_mcl/core/se3.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -51,9 +53,18 @@ Pose expSe3(const Twist& xi) {
 }
 
 Twist logSe3(const Pose& pose) {
+  Eigen::Quaterniond q(pose.linear());
+  if (q.w() < 0) q.coeffs() *= -1;
+  const double sine = q.vec().norm();
+  const double angle = 2 * std::atan2(sine, q.w());
+  const Eigen::Vector3d w = (sine < 1e-10 ? 2.0 : angle / sine) * q.vec();
+  // Inverse of the left Jacobian, I - S/2 + (1 - a/2 cot(a/2)) / a^2 S^2 (e.g. T. Barfoot, "State
+  // Estimation for Robotics", 7.1.3).
+  const double factor =
+      angle < 1e-4 ? 1.0 / 12 : (1 - 0.5 * angle * q.w() / sine) / (angle * angle);
+  const Eigen::Vector3d t = pose.translation(), wt = w.cross(t);
   Twist xi;
-  xi.tail<3>() = logSo3(pose.linear());
-  xi.head<3>() = leftJacobian(xi.tail<3>()).inverse() * pose.translation();
+  xi << t - 0.5 * wt + factor * w.cross(wt), w;
   return xi;
 }
 
@@ -93,21 +104,40 @@ PoseGaussian meanAndCovariance(const std::vector<Pose>& poses, const std::vector
   }
   if (!(sum > 0) || !std::isfinite(sum)) throw Error("mean of poses: the weights sum to nothing");
 
+  // Moments about a guess of the mean, in pieces of fixed size: the same bits on any number of
+  // threads.
+  struct Moments {
+    Twist first = Twist::Zero();
+    Matrix6 second = Matrix6::Zero();
+  };
+  constexpr size_t kPiece = 256;
+  std::vector<Moments> pieces((poses.size() + kPiece - 1) / kPiece);
+  const auto momentsAbout = [&](const Pose& guess) {
+    const Pose inverse = guess.inverse();
+    tbb::parallel_for(size_t{0}, pieces.size(), [&](size_t p) {
+      Moments m;
+      for (size_t i = p * kPiece; i < std::min(poses.size(), (p + 1) * kPiece); ++i) {
+        if (weights[i] <= 0) continue;
+        const Twist xi = logSe3(inverse * poses[i]);
+        m.first += weights[i] / sum * xi;
+        m.second.noalias() += (weights[i] / sum * xi) * xi.transpose();
+      }
+      pieces[p] = m;
+    });
+    Moments total;
+    for (const Moments& m : pieces) {
+      total.first += m.first;
+      total.second += m.second;
+    }
+    return total;
+  };
   PoseGaussian result;
   result.mean = poses[heaviest];
   for (int iteration = 0; iteration < 20; ++iteration) {
-    Twist step = Twist::Zero();
-    const Pose inverse = result.mean.inverse();
-    for (size_t i = 0; i < poses.size(); ++i)
-      if (weights[i] > 0) step += weights[i] / sum * logSe3(inverse * poses[i]);
-    result.mean = normalized(result.mean * expSe3(step));
-    if (step.norm() < 1e-10) break;
-  }
-  const Pose inverse = result.mean.inverse();
-  for (size_t i = 0; i < poses.size(); ++i) {
-    if (weights[i] <= 0) continue;
-    const Twist xi = logSe3(inverse * poses[i]);
-    result.covariance += weights[i] / sum * xi * xi.transpose();
+    const Moments moments = momentsAbout(result.mean);
+    result.covariance = moments.second;
+    if (moments.first.norm() < 1e-9) break;  // a nanometre: this guess is the mean
+    result.mean = normalized(result.mean * expSe3(moments.first));
   }
   return result;
 }

@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <limits>
 #include <list>
@@ -49,25 +50,38 @@ struct Visibility::Scene {
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  bool blocked(const Eigen::Vector3f& from, const Eigen::Vector3f& to, float tolerance) const {
-    if (!scene) return false;
-    const Eigen::Vector3f ray_direction = to - from;
-    const float distance = ray_direction.norm();
-    if (distance <= tolerance) return false;
-    RTCRay ray{};
-    ray.org_x = from.x();
-    ray.org_y = from.y();
-    ray.org_z = from.z();
-    ray.dir_x = ray_direction.x() / distance;
-    ray.dir_y = ray_direction.y() / distance;
-    ray.dir_z = ray_direction.z() / distance;
-    ray.tnear = 0;
-    ray.tfar = distance - tolerance;
-    ray.mask = 0xffffffffu;
+  /// Which of the points something hides: bit i for point i. One packet of rays, as they share the
+  /// origin and end side by side.
+  /// @param asked the points to look at, bits likewise.
+  uint32_t hidden(const Eigen::Vector3f& from, const Eigen::Vector3f* to, uint32_t asked,
+                  float tolerance) const {
+    if (!scene) return 0;
+    RTCRay16 rays{};
+    alignas(64) int valid[16] = {};
+    for (uint32_t i = 0; i < EdgeSegment::kMaxSamples; ++i) {
+      if (!(asked >> i & 1u)) continue;
+      const Eigen::Vector3f direction = to[i] - from;
+      const float distance = direction.norm();
+      if (distance <= tolerance) continue;
+      valid[i] = -1;
+      rays.org_x[i] = from.x();
+      rays.org_y[i] = from.y();
+      rays.org_z[i] = from.z();
+      rays.dir_x[i] = direction.x() / distance;
+      rays.dir_y[i] = direction.y() / distance;
+      rays.dir_z[i] = direction.z() / distance;
+      rays.tnear[i] = 0;
+      rays.tfar[i] = distance - tolerance;
+      rays.mask[i] = 0xffffffffu;
+    }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcOccluded1(scene, &context, &ray);
-    return ray.tfar < 0;
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcOccluded16(valid, scene, &context, &rays);
+    uint32_t result = 0;
+    for (uint32_t i = 0; i < EdgeSegment::kMaxSamples; ++i)
+      if (valid[i] != 0 && rays.tfar[i] < 0) result |= 1u << i;
+    return result;
   }
 };
 
@@ -132,7 +146,7 @@ Visibility::Visibility(const MeshModel& mesh, const EdgeModel& model,
 
 Visibility::~Visibility() = default;
 
-VisibleSet Visibility::exact(const Eigen::Vector3d& position) const {
+VisibleSet Visibility::exact(const Eigen::Vector3d& position, uint32_t thinning) const {
   VisibleSet result;
   result.model = &model_;
   const Eigen::Vector3f eye = position.cast<float>();
@@ -145,13 +159,15 @@ VisibleSet Visibility::exact(const Eigen::Vector3d& position) const {
     }
     VisibleSet::Segment seen;
     seen.index = k;
+    const uint32_t used = usedSamples(segment, thinning);
+    if (used == 0) continue;
+    Eigen::Vector3f points[EdgeSegment::kMaxSamples];
     for (uint32_t i = 0; i < segment.sample_count; ++i)
-      if (!scene_->blocked(eye, model_.samplePosition(segment, i).cast<float>(),
-                           static_cast<float>(tolerance_))) {
-        seen.samples |= static_cast<uint16_t>(1u << i);
-        ++result.sample_count;
-      }
+      points[i] = model_.samplePosition(segment, i).cast<float>();
+    const uint32_t hidden = scene_->hidden(eye, points, used, static_cast<float>(tolerance_));
+    seen.samples = static_cast<uint16_t>(used & ~hidden);
     if (!seen.samples) continue;
+    result.sample_count += std::bitset<16>(seen.samples).count();
     seen.facing =
         static_cast<uint16_t>(std::lround(65535 * facingWeight(line, segment.centre, eye)));
     if (result.segments.empty() || result.line(result.segments.back()).group != line.group)

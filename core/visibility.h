@@ -58,7 +58,8 @@ class Visibility {
   Visibility& operator=(const Visibility&) = delete;
 
   /// Exact answer for one position (metres, map frame): the oracle.
-  VisibleSet exact(const Eigen::Vector3d& position) const;
+  /// @param thinning only every so many-th sample of the model is looked at.
+  VisibleSet exact(const Eigen::Vector3d& position, uint32_t thinning = 1) const;
 
   /// Answer for the cell that holds the position; computed once, then cached.
   std::shared_ptr<const VisibleSet> cached(const CellKey& cell) const;

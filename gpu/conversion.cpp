@@ -32,7 +32,7 @@ Rule ruleOf(const LikelihoodFrame& frame) {
   const LikelihoodParameters& p = frame.params;
   return {p.model == LikelihoodModel::kPaper, static_cast<float>(1 / p.line_saturation),
           p.border_fade > 0 ? static_cast<float>(1 / p.border_fade) : 1e9f,
-          static_cast<float>(spacingScale(frame))};
+          static_cast<float>(spacingScale(frame)), frame.thinning};
 }
 
 Combination combinationOf(const LikelihoodParameters& params) {

@@ -63,6 +63,7 @@ EDGE_MCL_DEVICE_FUNCTION void addSample(const Camera& camera, const Table& table
                                         const Segment& segment, const float* along, int lane,
                                         PartialLine* sum) {
   if (!(segment.seen >> lane & 1u)) return;
+  if (rule.thinning > 1 && (segment.first + lane) % rule.thinning != 0) return;
   const SampleScore sample =
       scoreSample(camera, table, pairs, rule, transformPoint(pose, segment.centre),
                   rotateDirection(pose, segment.tangent), along[segment.first + lane]);

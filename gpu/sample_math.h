@@ -42,6 +42,7 @@ struct Rule {
   float inverse_saturation;  ///< robust: 1 / samples that a line counts for at most
   float inverse_fade;        ///< 1 / width of the fade at the image border, pixels
   float spacing_scale;       ///< see edge_mcl::spacingScale
+  uint32_t thinning;         ///< every so many-th sample counts
 };
 
 /// A segment seen from a cell, relative to the cell's origin.

@@ -9,7 +9,7 @@ namespace edge_mcl::gpu {
 
 namespace {
 
-constexpr char kMagic[16] = "edge_mcl work 1";
+constexpr char kMagic[16] = "edge_mcl work 2";
 constexpr uint64_t kMostElements = uint64_t{1} << 32;
 
 /// Visits the parts of the file in their order.

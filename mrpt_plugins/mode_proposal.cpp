@@ -29,8 +29,8 @@ GaussianDensity::GaussianDensity(const PoseGaussian& gaussian)
   log_norm_ = -3 * std::log(2 * M_PI) - factor_.diagonal().array().log().sum();
 }
 
-double GaussianDensity::log(const Pose& pose) const {
-  return log_norm_ - 0.5 * (inverse_factor_ * logSe3(inverse_mean_ * pose)).squaredNorm();
+double GaussianDensity::logOfOffset(const Twist& offset) const {
+  return log_norm_ - 0.5 * (inverse_factor_ * offset).squaredNorm();
 }
 
 Pose GaussianDensity::draw(RandomSource* random) const {
@@ -54,7 +54,9 @@ PredictiveDensity::PredictiveDensity(const PoseGaussian& cloud, double tail_shar
       log_tail_share_(tail_share > 0 ? std::log(tail_share) : -1e300) {}
 
 double PredictiveDensity::log(const Pose& pose) const {
-  return logSum(log_core_share_ + core_.log(pose), log_tail_share_ + tail_.log(pose));
+  const Twist offset = core_.offset(pose);  // both have the same mean
+  return logSum(log_core_share_ + core_.logOfOffset(offset),
+                log_tail_share_ + tail_.logOfOffset(offset));
 }
 
 const PoseGaussian& PredictiveDensity::componentOf(const Pose& pose) const {
@@ -87,7 +89,7 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
 
   std::vector<RefinementResult> refined(chosen.size());
   tbb::parallel_for(size_t{0}, chosen.size(), [&](size_t i) {
-    refined[i] = map.refine(views, chosen[i], predictive.componentOf(chosen[i]));
+    refined[i] = map.refineRoughly(views, chosen[i], predictive.componentOf(chosen[i]));
   });
   std::vector<Pose> poses;
   poses.reserve(refined.size());

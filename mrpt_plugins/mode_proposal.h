@@ -12,7 +12,10 @@ namespace edge_mcl {
 class GaussianDensity {
  public:
   explicit GaussianDensity(const PoseGaussian& gaussian);
-  double log(const Pose& pose) const;
+  double log(const Pose& pose) const { return logOfOffset(offset(pose)); }
+  /// The pose in the tangent space at the mean, and the log density there.
+  Twist offset(const Pose& pose) const { return logSe3(inverse_mean_ * pose); }
+  double logOfOffset(const Twist& offset) const;
   Pose draw(RandomSource* random) const;
   const PoseGaussian& gaussian() const { return gaussian_; }
 

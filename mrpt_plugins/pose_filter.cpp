@@ -1,5 +1,7 @@
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -141,11 +143,11 @@ void PoseFilter::drawTails(const PredictiveDensity& predictive) {
 }
 
 void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
-                       const PredictiveDensity& predictive, double remaining_exponent,
-                       UpdateReport* report) {
+                       const std::vector<CameraView>& thinned, const PredictiveDensity& predictive,
+                       double remaining_exponent, UpdateReport* report) {
   const size_t n = poses_.size();
   auto start = Clock::now();
-  std::vector<PoseScore> scores = map.evaluate(views, poses_);
+  std::vector<PoseScore> scores = map.evaluate(thinned, poses_);
   report->likelihood_ms += millisecondsSince(start);
 
   std::vector<double> log_ratio(n, 0);  // log p/q
@@ -161,18 +163,18 @@ void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>
       for (size_t k = 0; k < redrawn.size(); ++k)
         fresh.push_back(modes.mode(k % modes.size()).draw(&random_));
       start = Clock::now();
-      const std::vector<PoseScore> fresh_scores = map.evaluate(views, fresh);
+      const std::vector<PoseScore> fresh_scores = map.evaluate(thinned, fresh);
       report->likelihood_ms += millisecondsSince(start);
       for (size_t k = 0; k < redrawn.size(); ++k) {
         poses_[redrawn[k]] = fresh[k];
         scores[redrawn[k]] = fresh_scores[k];
       }
-      for (size_t i = 0; i < n; ++i) {
+      tbb::parallel_for(size_t{0}, n, [&](size_t i) {
         // q = (1 - share) p + share m, hence p/q = 1 / (1 - share + share m/p).
         const double m_over_p = modes.log(poses_[i]) - predictive.log(poses_[i]);
         log_ratio[i] = m_over_p > 300 ? -m_over_p - std::log(share)
                                       : -std::log(1 - share + share * std::exp(m_over_p));
-      }
+      });
     }
   }
   std::vector<double> fixed(n), likelihood(n);
@@ -221,9 +223,10 @@ void PoseFilter::spreadCopies(const PoseGaussian& cloud) {
     pose = normalized(cloud.mean * expSe3(shrink * logSe3(inverse * pose)) * kernel.draw(&random_));
 }
 
-void PoseFilter::sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
-                                 const PoseGaussian& cloud, const PredictiveDensity& predictive,
-                                 UpdateReport* report) {
+PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
+                                      const std::vector<CameraView>& views,
+                                      const PoseGaussian& cloud,
+                                      const PredictiveDensity& predictive, UpdateReport* report) {
   const auto start = Clock::now();
   const RefinementResult sharp = map.refine(views, cloud.mean, predictive.componentOf(cloud.mean));
   report->refinement_ms += millisecondsSince(start);
@@ -232,16 +235,22 @@ void PoseFilter::sharpenEstimate(const LocalizationMap& map, const std::vector<C
   const std::vector<PoseScore> compared = map.evaluate(views, {cloud.mean, sharp.pose});
   if (compared[1].log_likelihood + predictive.log(sharp.pose) <
       compared[0].log_likelihood + predictive.log(cloud.mean))
-    return;
+    return compared[0];
   // The cloud's spread, seen from the refined pose: tempering makes it a cautious figure.
   const Twist shift = logSe3(sharp.pose.inverse() * cloud.mean);
   estimate_.mean = sharp.pose;
   estimate_.covariance = cloud.covariance + shift * shift.transpose();
+  return compared[1];
 }
 
 UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<CameraView>& views) {
   const auto begin = Clock::now();
   UpdateReport report;
+  // The particles are weighed by a share of the samples, single poses by all.
+  std::vector<CameraView> thinned = views;
+  for (CameraView& view : thinned)
+    view.thinning = map.thinningFor(view, estimate_.mean,
+                                    static_cast<size_t>(map.params().likelihood.max_samples));
   std::optional<PredictiveDensity> predictive;
   for (int pass = 0; pass < params_.max_passes; ++pass) {
     // What motion can surprise with: its noise, `tail_scale` times wider.
@@ -253,7 +262,7 @@ UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<Ca
     noise_variance_.setZero();
     if (pass == 0) predictive.emplace(before);
     if (tails) drawTails(before);
-    weigh(map, views, before, 1 - report.tempering, &report);
+    weigh(map, views, thinned, before, 1 - report.tempering, &report);
     ++report.passes;
     const std::vector<double> weights = normalizedWeights();
     report.effective_sample_size = effectiveSampleSize(weights);
@@ -264,9 +273,10 @@ UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<Ca
     resampleIfNeeded();
     spreadCopies(estimate_);
   }
-  if (refinement_.enabled && report.has_information)
-    sharpenEstimate(map, views, PoseGaussian(estimate_), *predictive, &report);
-  const PoseScore at_estimate = map.evaluate(views, {estimate_.mean}).front();
+  const PoseScore at_estimate =
+      refinement_.enabled && report.has_information
+          ? sharpenEstimate(map, views, PoseGaussian(estimate_), *predictive, &report)
+          : map.evaluate(views, {estimate_.mean}).front();
   report.log_likelihood = at_estimate.log_likelihood;
   report.visible_samples = at_estimate.sample_weight;
   report.visible_lines = at_estimate.line_count;

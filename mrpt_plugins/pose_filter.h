@@ -68,14 +68,15 @@ class PoseFilter {
   void addNoise(double std_position, double std_angle);
   void trackVelocity();
   void weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
-             const PredictiveDensity& predictive, double remaining_exponent, UpdateReport* report);
+             const std::vector<CameraView>& thinned, const PredictiveDensity& predictive,
+             double remaining_exponent, UpdateReport* report);
   bool spreadBeyondNormals(const LocalizationMap& map, const std::vector<CameraView>& views,
                            const PoseGaussian& cloud) const;
   void drawTails(const PredictiveDensity& predictive);
   void spreadCopies(const PoseGaussian& cloud);
-  void sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
-                       const PoseGaussian& cloud, const PredictiveDensity& predictive,
-                       UpdateReport* report);
+  PoseScore sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
+                            const PoseGaussian& cloud, const PredictiveDensity& predictive,
+                            UpdateReport* report);
   std::vector<double> normalizedWeights() const;
 
   FilterParameters params_;

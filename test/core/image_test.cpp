@@ -119,7 +119,7 @@ TEST(EdgeField, AgreesWithTheDirectSearch) {
   ImageParameters params;
   const EdgeImage image = findEdges(picture, {}, params, "room");
   ASSERT_GT(image.edgeCount(), 1000u);
-  const EdgeField field(image, params);
+  const EdgeField field(image, EdgePixels(image), params);
   const double tolerance = std::cos(params.orientation_tolerance_deg * M_PI / 180);
   RandomSource random(8);
   int good = 0, total = 0;

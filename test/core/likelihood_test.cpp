@@ -115,10 +115,10 @@ TEST(PaperLikelihood, HandWorkedExample) {
   edges.gradient_y = cv::Mat(240, 320, CV_16S, cv::Scalar(0));
   edges.edges.col(103) = 255;
   edges.edges.col(216) = 255;
-  const EdgeField field(edges, params.image);
+  const EdgeField field(edges, EdgePixels(edges), params.image);
   LikelihoodFrame frame;
   frame.camera = camera;
-  frame.table = std::make_shared<ScoreTable>(field, params.likelihood);
+  frame.table = std::make_shared<ScoreTable>(field, ScoreLevels(params.image, params.likelihood));
   frame.params = params.likelihood;
   frame.sample_step = map.edges().sample_step;
   const VisibleSet set = map.visibility().exact({0, 0, 0});
