@@ -19,6 +19,7 @@
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/random_source.h"
 #include "gather_limit.h"
+#include "soak.h"
 #include "stage_times.h"
 
 namespace edge_mcl {
@@ -27,7 +28,7 @@ namespace {
 
 struct BenchOptions {
   std::string sequence, model, dump_workload;
-  size_t image = 0, plain_particles = 100, updates = 60, samples = 0;
+  size_t image = 0, plain_particles = 100, updates = 60, samples = 0, soak = 0;
   int repeats = 15;
   std::vector<size_t> table;
   double spread_position = 0.05, spread_angle_deg = 2;
@@ -59,6 +60,10 @@ int run(const BenchOptions& o) {
   if (model.empty()) throw InputError(o.sequence + ": no model.obj in it; use --model");
   LocalizationMap map(model, params);
   chooseBackend(&map);
+  if (o.soak > 0) {
+    std::printf("%.1f MB gained after the first tenth\n", soak(map, sequence, o.soak));
+    return kExitOk;
+  }
   const CpuBackend cpu(map.sharedVisibility());
   const SequenceFrame& frame = sequence.frames[o.image];
   const cv::Mat picture = readImage(frame.image_file, sequence.camera);
@@ -149,6 +154,7 @@ int run(const BenchOptions& o) {
                       {"ratio_one_to_all_threads", t.one / t.all},
                       {"update_ms_one_thread", updates_one.toJson()},
                       {"update_ms_all_threads", updates_all.toJson()},
+                      {"peak_resident_mb", peakResidentMegabytes()},
                       {"checksum", checksum}};
   const bool has_gpu = map.backend().name().rfind("cuda", 0) == 0;
   const auto timeSizes = [&] {
@@ -177,6 +183,7 @@ int run(const BenchOptions& o) {
               t.one_field);
   updates_one.print("whole update, image in, pose out, 1 thread");
   updates_all.print("the same, " + std::to_string(threads) + " threads");
+  std::printf("  peak resident size %.0f MB\n", peakResidentMegabytes());
   if (!o.table.empty()) timeSizes();
   return kExitOk;
 }
@@ -200,6 +207,9 @@ void addBench(CLI::App* app, Action* action) {
                 "thin the model's samples out to about so many per particle, for all contenders");
   c->add_option("--spread-position", o->spread_position, "spread of the particles, m");
   c->add_option("--spread-angle", o->spread_angle_deg, "spread of the particles, deg");
+  c->add_option(
+      "--soak", o->soak,
+      "instead of timing: so many updates in a row, with the resident size along the way");
   c->add_option("--table", o->table,
                 "numbers of particles for a table like the paper's Table 1, e.g. "
                 "100,500,1000,5000,50000,1000000")

@@ -126,6 +126,11 @@ void CameraModel::validate(const std::string& origin) {
   view = viewOf(*this);
 }
 
+double CameraModel::maxPlaneRadius2() const {
+  if (distortion != DistortionModel::kEquidistant) return max_radius2;
+  return std::pow(std::tan(std::min(std::sqrt(max_radius2), 1.57)), 2);
+}
+
 bool CameraModel::project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel,
                           Eigen::Matrix<double, 2, 3>* jacobian) const {
   if (!(point.z() > kMinDepth)) return false;

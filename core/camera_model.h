@@ -42,6 +42,9 @@ struct CameraModel {
   bool project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel,
                Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
 
+  /// max_radius2 in terms of (X/Z)^2 + (Y/Z)^2 for every distortion model.
+  double maxPlaneRadius2() const;
+
   bool contains(const Eigen::Vector2d& pixel) const {
     return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= width - 1 && pixel.y() <= height - 1;
   }

@@ -186,11 +186,7 @@ KernelCamera kernelCamera(const CameraModel& camera) {
   k.last_x = static_cast<float>(camera.width - 1);
   k.last_y = static_cast<float>(camera.height - 1);
   k.min_depth = static_cast<float>(CameraModel::kMinDepth);
-  // The equidistant limit is an angle; the kernel compares squared radii.
-  const double limit = camera.distortion == DistortionModel::kEquidistant
-                           ? std::pow(std::tan(std::min(std::sqrt(camera.max_radius2), 1.57)), 2)
-                           : camera.max_radius2;
-  k.max_radius2 = static_cast<float>(limit);
+  k.max_radius2 = static_cast<float>(camera.maxPlaneRadius2());
   k.distortion = static_cast<int>(camera.distortion);
   for (int i = 0; i < 8; ++i) k.k[i] = static_cast<float>(camera.coefficients[i]);
   const CameraModel::View& v = camera.view;

@@ -12,11 +12,7 @@ Camera cameraOf(const CameraModel& camera) {
   c.cy = static_cast<float>(camera.cy);
   c.last_x = static_cast<float>(camera.width - 1);
   c.last_y = static_cast<float>(camera.height - 1);
-  // The equidistant limit is an angle; the kernel compares squared radii.
-  const double limit = camera.distortion == DistortionModel::kEquidistant
-                           ? std::pow(std::tan(std::min(std::sqrt(camera.max_radius2), 1.57)), 2)
-                           : camera.max_radius2;
-  c.max_radius2 = static_cast<float>(limit);
+  c.max_radius2 = static_cast<float>(camera.maxPlaneRadius2());
   c.min_depth = static_cast<float>(CameraModel::kMinDepth);
   c.distortion = static_cast<int32_t>(camera.distortion);
   for (int i = 0; i < 8; ++i) c.k[i] = static_cast<float>(camera.coefficients[i]);

@@ -1,49 +1,19 @@
-/// Likelihood on an NVIDIA GPU behind the common interface.
+/// The device backend on an NVIDIA GPU.
 #pragma once
 
 #include <functional>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 
-#include "edge_mcl/core/cpu_backend.h"
+#include "edge_mcl/core/likelihood_backend.h"
 
 namespace edge_mcl {
 
-namespace gpu {
-class Engine;
-}
+/// Why there is no CUDA backend; empty when a device answers.
+std::string whyNoCuda();
 
-/// Scores on the device; what the device fails to do is done again on the CPU, and from then on
-/// everything. Safe to use from many threads, which take turns.
-class CudaBackend : public LikelihoodBackend {
- public:
-  /// Why there is no CUDA backend; empty when a device answers.
-  static std::string whyUnavailable();
-
-  /// @param warn called once, with one line, when the device fails. @throws Error without a device.
-  CudaBackend(std::shared_ptr<const Visibility> visibility,
-              std::function<void(const std::string&)> warn);
-  ~CudaBackend() override;
-
-  std::vector<PoseScore> evaluate(const LikelihoodFrame& frame,
-                                  const std::vector<Pose>& camera_poses) const override;
-  std::string name() const override;
-
- private:
-  std::vector<PoseScore> evaluateOnDevice(const LikelihoodFrame& frame,
-                                          const std::vector<Pose>& camera_poses) const;
-  uint32_t cellNumber(const CellKey& key) const;
-
-  std::shared_ptr<const Visibility> visibility_;
-  std::function<void(const std::string&)> warn_;
-  CpuBackend fallback_;
-  mutable std::mutex mutex_;
-  mutable std::unique_ptr<gpu::Engine> engine_;  ///< null after a failure
-  mutable std::map<CellKey, uint32_t> cells_;    ///< on the device
-  /// Whose table is on the device; kept alive, so that no other can have its address.
-  mutable std::shared_ptr<const ScoreTable> table_;
-};
+/// @param warn see DeviceBackend. @throws Error without a device.
+std::unique_ptr<LikelihoodBackend> makeCudaBackend(std::shared_ptr<const Visibility> visibility,
+                                                   std::function<void(const std::string&)> warn);
 
 }  // namespace edge_mcl

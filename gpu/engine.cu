@@ -183,11 +183,6 @@ void Engine::setImage(const Camera& camera, const Table& table, const uint16_t* 
   m.has_image = true;
 }
 
-int Engine::teamsFor(size_t particles) {
-  // Few particles: more lanes for each, so that the device is full.
-  return particles < 20000 ? 8 : 2;
-}
-
 void Engine::score(const Rule& rule, const Combination& combination, const Particle* particles,
                    size_t count, Result* results) {
   Impl& m = *impl_;
@@ -223,6 +218,19 @@ void Engine::score(const Rule& rule, const Combination& combination, const Parti
   check(cudaStreamSynchronize(m.work), "scoreKernel");
   check(cudaEventElapsedTime(&m.kernel_ms, m.kernel_begin, m.kernel_end), "cudaEventElapsedTime");
   std::memcpy(results, m.results_staging.data(), count * sizeof *results);
+}
+
+DeviceLimits Engine::limits() const {
+  const cudaDeviceProp& p = impl_->properties;
+  int device = 0, clock_khz = 0, memory_khz = 0;
+  check(cudaGetDevice(&device), "cudaGetDevice");
+  check(cudaDeviceGetAttribute(&clock_khz, cudaDevAttrClockRate, device), "cudaDeviceGetAttribute");
+  check(cudaDeviceGetAttribute(&memory_khz, cudaDevAttrMemoryClockRate, device),
+        "cudaDeviceGetAttribute");
+  // CUDA C++ Programming Guide, "Arithmetic Instructions": 128 a clock, 64 on 7.5 and 8.0.
+  const bool narrow = p.major == 7 || (p.major == 8 && p.minor == 0);
+  return {1e3 * clock_khz * p.multiProcessorCount * (narrow ? 64 : 128),
+          2e3 * memory_khz * p.memoryBusWidth / 8};
 }
 
 float Engine::kernelMilliseconds() const { return impl_->kernel_ms; }

@@ -57,13 +57,18 @@ struct PartialLine {
   float score, weight;
 };
 
+/// Whether the lane's sample is visible and not thinned out.
+EDGE_MCL_DEVICE_FUNCTION bool isUsed(const Rule& rule, const Segment& segment, int lane) {
+  if (!(segment.seen >> lane & 1u)) return false;
+  return rule.thinning <= 1 || (segment.first + lane) % rule.thinning == 0;
+}
+
 /// Adds the lane's sample of one segment.
 EDGE_MCL_DEVICE_FUNCTION void addSample(const Camera& camera, const Table& table,
                                         const uint16_t* pairs, const Rule& rule, const Pose& pose,
                                         const Segment& segment, const float* along, int lane,
                                         PartialLine* sum) {
-  if (!(segment.seen >> lane & 1u)) return;
-  if (rule.thinning > 1 && (segment.first + lane) % rule.thinning != 0) return;
+  if (!isUsed(rule, segment, lane)) return;
   const SampleScore sample =
       scoreSample(camera, table, pairs, rule, transformPoint(pose, segment.centre),
                   rotateDirection(pose, segment.tangent), along[segment.first + lane]);

@@ -83,6 +83,38 @@ double medianMilliseconds(int repeats, const std::function<void()>& work) {
   return ms[repeats / 2];
 }
 
+/// Visible samples of the particles' cells, after thinning: what the kernel works through.
+double samplesPerParticle(const Workload& w) {
+  std::vector<double> of_cell(w.cells.size(), 0);
+  for (size_t c = 0; c < w.cells.size(); ++c) {
+    const Cell& cell = w.cells[c];
+    if (cell.group_count == 0) continue;
+    const uint32_t count = w.group_ends[cell.first_group + cell.group_count - 1];
+    for (uint32_t s = cell.first_segment; s < cell.first_segment + count; ++s)
+      for (int lane = 0; lane < kTeamLanes; ++lane)
+        of_cell[c] += isUsed(w.rule, w.segments[s], lane);
+  }
+  double sum = 0;
+  for (const Particle& p : w.particles) sum += of_cell[p.cell];
+  return sum / static_cast<double>(w.particles.size());
+}
+
+/// How far the largest run was from what the device can do at best.
+void printRoofline(const Engine& engine, double samples, double kernel_ms) {
+  // Counted in scoreSample: arithmetic of a sample without distortion, and its two look-ups, which
+  // are charged as if they all went to memory in sectors of 32 bytes.
+  constexpr double kOperations = 110, kBytes = 2 * 32;
+  const DeviceLimits limits = engine.limits();
+  const double per_second = samples / (1e-3 * kernel_ms);
+  const double arithmetic = per_second * kOperations / limits.operations_per_second;
+  const double memory = per_second * kBytes / limits.memory_bytes_per_second;
+  std::printf(
+      "roofline: %.1f G samples/s; %.0f %% of the arithmetic limit, %.0f %% of the memory "
+      "limit if every look-up missed the caches; nearer to %s\n",
+      1e-9 * per_second, 100 * arithmetic, 100 * memory,
+      arithmetic > memory ? "arithmetic" : "memory");
+}
+
 void time(const Workload& w, Engine* engine) {
   std::printf("%s on %s\n%10s %14s %14s %12s\n", w.name.c_str(), engine->deviceName().c_str(),
               "particles", "table+score ms", "kernel ms", "per ours CPU");
@@ -99,6 +131,8 @@ void time(const Workload& w, Engine* engine) {
     });
     const double cpu = w.cpu_ms * static_cast<double>(n) / static_cast<double>(w.particles.size());
     std::printf("%10zu %14.3f %14.3f %12.1f\n", n, ms, kernel, cpu / ms);
+    if (n == 1000000)
+      printRoofline(*engine, samplesPerParticle(w) * static_cast<double>(n), kernel);
   }
   std::printf("device memory held: %.1f MB\n", static_cast<double>(engine->deviceBytes()) / 1e6);
 }

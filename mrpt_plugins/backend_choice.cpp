@@ -14,11 +14,11 @@ void chooseBackend(LocalizationMap* map) {
   const BackendChoice choice = map->params().likelihood.backend;
   if (choice == BackendChoice::kCpu) return;
 #ifdef EDGE_MCL_HAS_CUDA
-  const std::string why = CudaBackend::whyUnavailable();
+  const std::string why = whyNoCuda();
   if (why.empty())
-    map->setBackend(std::make_unique<CudaBackend>(
-        map->sharedVisibility(),
-        [](const std::string& warning) { std::cerr << "edge_mcl: " << warning << std::endl; }));
+    map->setBackend(makeCudaBackend(map->sharedVisibility(), [](const std::string& warning) {
+      std::cerr << "edge_mcl: " << warning << std::endl;
+    }));
 #else
   const std::string why = "built without CUDA";
 #endif

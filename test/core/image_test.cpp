@@ -110,6 +110,42 @@ TEST(EdgeField, DiamondAngleIsAMonotoneStandInForTheAngle) {
   }
 }
 
+/// The listed pixels against the image, and their search against the one to the letter.
+TEST(EdgePixels, FindWhatTheDirectSearchFinds) {
+  const MeshModel mesh = test::furnishedRooms();
+  const cv::Mat picture = test::render(mesh, test::pinhole(320, 240, 250),
+                                       test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15}), 1);
+  ImageParameters params;
+  const EdgeImage image = findEdges(picture, {}, params, "room");
+  const EdgePixels pixels(image);
+  ASSERT_EQ(pixels.list().size(), image.edgeCount());
+  for (const EdgePixel& p : pixels.list()) {
+    ASSERT_NE(image.edges.at<uint8_t>(p.y, p.x), 0);
+    const Eigen::Vector2d ridge = image.subPixel(p.x, p.y);
+    ASSERT_NEAR(p.ridge_x, ridge.x(), 1e-4);  // single precision of 320
+    ASSERT_NEAR(p.ridge_y, ridge.y(), 1e-4);
+  }
+  const double tolerance = std::cos(params.orientation_tolerance_deg * M_PI / 180);
+  RandomSource random(9);
+  int differ = 0;
+  constexpr int kSearches = 20000;
+  for (int i = 0; i < kSearches; ++i) {
+    const Eigen::Vector2d at(320 * random.uniform(), 240 * random.uniform());
+    const double angle = M_PI * random.uniform();
+    const Eigen::Vector2d normal(std::cos(angle), std::sin(angle));
+    const NormalHit hit = searchAlongNormal(image, at, normal, 16, tolerance);
+    const EdgePixel* found = pixels.nearestAlong(
+        static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(normal.x()),
+        static_cast<float>(normal.y()), 16, static_cast<float>(tolerance));
+    differ +=
+        hit.found != (found != nullptr) || (hit.found && (hit.x != found->x || hit.y != found->y));
+  }
+  // A position within a thousandth of a pixel's border may be rounded to either side; a search
+  // tests up to 64 positions, few of them on edges.
+  EXPECT_LT(differ, kSearches / 100);
+  EXPECT_EQ(pixels.nearestAlong(-100, -100, 1, 0, 16, 0), nullptr);
+}
+
 /// The table against the search along the normal, in a picture of a furnished room.
 TEST(EdgeField, AgreesWithTheDirectSearch) {
   const MeshModel mesh = test::furnishedRooms();

@@ -87,6 +87,67 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{DistortionModel::kEquidistant, LikelihoodModel::kPaper},
                     Case{DistortionModel::kEquidistant, LikelihoodModel::kRobust}));
 
+/// Thinned out, the model is one with fewer samples, farther apart: the same as striking them from
+/// the visible set by hand and telling the likelihood of the longer step.
+TEST(Thinning, IsAModelWithFewerSamples) {
+  for (const auto model : {LikelihoodModel::kPaper, LikelihoodModel::kRobust}) {
+    Parameters params;
+    params.likelihood.model = model;
+    const LocalizationMap map(test::furnishedRooms(), params);
+    const auto image = map.prepare(cameraWith(DistortionModel::kNone), roomPicture(), {}, "room");
+    const std::vector<Pose> poses = cloud(50, 0.1, 0.05, 4);
+    const VisibleSet all = map.visibility().exact(kView.translation());
+    for (const uint32_t thinning : {1u, 3u, 8u, 30u}) {
+      VisibleSet struck;
+      struck.model = all.model;
+      for (VisibleSet::Segment s : all.segments) {
+        const EdgeSegment& segment = all.edgeSegment(s);
+        for (uint32_t i = 0; i < segment.sample_count; ++i)
+          if ((segment.first_sample + i) % thinning != 0) s.samples &= ~(1u << i);
+        if (s.samples != 0) struck.segments.push_back(s);
+      }
+      LikelihoodFrame thinned = image->frame, stretched = image->frame;
+      thinned.thinning = thinning;
+      // In the paper's model the step plays no part.
+      stretched.sample_step *= thinning;
+      const std::vector<PoseScore> fast = evaluateWithVisibleSet(thinned, all, poses);
+      for (size_t i = 0; i < poses.size(); ++i) {
+        const PoseScore truth = referenceScore(stretched, struck, poses[i]);
+        EXPECT_NEAR(fast[i].log_likelihood, truth.log_likelihood,
+                    1e-4 * std::max(1.0, std::abs(truth.log_likelihood)));
+        EXPECT_NEAR(fast[i].sample_weight, truth.sample_weight, 1e-3 * (1 + truth.sample_weight));
+      }
+    }
+  }
+}
+
+TEST(Thinning, LeavesAboutAsManySamplesAsAskedFor) {
+  const LocalizationMap map(test::furnishedRooms(), Parameters());
+  const auto image = map.prepare(cameraWith(DistortionModel::kNone), roomPicture(), {}, "room");
+  const auto samplesAt = [&](uint32_t thinning) {
+    const VisibleSet set = map.visibility().exact(kView.translation(), thinning);
+    size_t count = 0;
+    for (const VisibleSet::Segment& s : set.segments)
+      for (uint32_t i = 0; i < set.edgeSegment(s).sample_count; ++i) {
+        Eigen::Vector2d pixel;
+        const Eigen::Vector3d p =
+            kView.inverse() * set.model->samplePosition(set.edgeSegment(s), i);
+        count += (s.samples >> i & 1) && image->frame.camera.project(p, &pixel) &&
+                 image->frame.camera.contains(pixel);
+      }
+    return count;
+  };
+  const size_t all = samplesAt(1);
+  EXPECT_EQ(map.thinningFor({image}, kView, 0), 1u);
+  EXPECT_EQ(map.thinningFor({image}, kView, 10 * all), 1u);
+  for (const size_t most : {all / 10, all / 3}) {
+    // The thinning is a whole number, and the samples in the image are estimated.
+    const size_t left = samplesAt(map.thinningFor({image}, kView, most));
+    EXPECT_GT(left, most / 2);
+    EXPECT_LT(left, 2 * most);
+  }
+}
+
 /// Two vertical model lines, two vertical image edges 3 px and 4 px away from them, worked by hand:
 /// g = exp(-d^2 / 2 sigma^2) for every sample of a line, l the mean of its samples, W the
 /// exponential of k times the mean of both.

@@ -122,12 +122,13 @@ TEST_P(Parity, TheKernelBodyOnTheHostAgreesWithTheCpuBackend) {
 
 TEST_P(Parity, TheDeviceAgreesWithTheCpuBackend) {
 #ifdef EDGE_MCL_HAS_CUDA
-  if (const std::string why = CudaBackend::whyUnavailable(); !why.empty())
+  if (const std::string why = whyNoCuda(); !why.empty())
     GTEST_SKIP() << "SKIPPED: no CUDA device answers: " << why;
   std::string warning;
-  const CudaBackend backend(map_->sharedVisibility(), [&](const std::string& w) { warning = w; });
+  const auto backend =
+      makeCudaBackend(map_->sharedVisibility(), [&](const std::string& w) { warning = w; });
   std::vector<double> values;
-  for (const PoseScore& s : backend.evaluate(image_->frame, poses_))
+  for (const PoseScore& s : backend->evaluate(image_->frame, poses_))
     values.push_back(s.log_likelihood);
   EXPECT_EQ(warning, "");
   expectAgreement(values);
