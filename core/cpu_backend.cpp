@@ -10,6 +10,7 @@
 
 #include "edge_mcl/core/cpu_kernel.h"
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/segment_union.h"
 
 namespace edge_mcl {
 
@@ -47,22 +48,33 @@ struct Batch {
   std::vector<uint32_t> cell;   ///< of every particle, into sets
   std::vector<std::shared_ptr<const VisibleSet>> sets;
 
+  std::vector<uint16_t> used;  ///< of every segment: samples that thinning leaves; empty: all
+
   const Pose& pose(size_t i) const { return (*poses)[order[i]]; }
+  uint32_t usedOf(uint32_t segment) const { return used.empty() ? 0xffffu : used[segment]; }
+
+  void thin(const EdgeModel& model) {
+    if (frame->thinning <= 1) return;
+    used.reserve(model.segments.size());
+    for (const EdgeSegment& s : model.segments) used.push_back(usedSamples(s, frame->thinning));
+  }
 };
 
 /// The part of space that the cameras of a block can see, as one cone.
 struct ViewCone {
   Eigen::Vector3d apex;
   Eigen::Vector3d axis;
-  double half_angle;   // including the spread of the orientations
-  double apex_radius;  // spread of the positions
+  double sin_half, cos_half;  // half the opening, including the spread of the orientations
+  double apex_radius;         // spread of the positions
 
   bool misses(const Eigen::Vector3d& centre, double radius) const {
     const Eigen::Vector3d to_centre = centre - apex;
     const double distance = to_centre.norm(), reach = radius + apex_radius;
     if (distance <= reach) return false;
-    const double angle = std::acos(std::clamp(axis.dot(to_centre) / distance, -1.0, 1.0));
-    return angle > half_angle + std::asin(reach / distance);
+    // Is the angle to the axis larger than half_angle + asin(reach / distance)?
+    const double sine = reach / distance, cosine = std::sqrt(1 - sine * sine);
+    if (sin_half * cosine + cos_half * sine <= 0) return false;  // that is pi or more
+    return axis.dot(to_centre) < distance * (cos_half * cosine - sin_half * sine);
   }
 };
 
@@ -76,7 +88,7 @@ ViewCone coneOf(const Batch& batch, size_t begin, size_t end) {
     cone.axis += batch.pose(i).linear().col(2);
   }
   cone.apex /= static_cast<double>(end - begin);
-  cone.half_angle = M_PI;
+  double half_angle = M_PI;
   cone.apex_radius = 0;
   if (cone.axis.norm() > 1e-3) {
     cone.axis.normalize();
@@ -84,8 +96,10 @@ ViewCone coneOf(const Batch& batch, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       spread = std::max(
           spread, std::acos(std::clamp(cone.axis.dot(batch.pose(i).linear().col(2)), -1.0, 1.0)));
-    cone.half_angle = spread + batch.frame->camera.view.angle + 1e-3;
+    half_angle = std::min(M_PI, spread + batch.frame->camera.view.angle + 1e-3);
   }
+  cone.sin_half = std::sin(half_angle);
+  cone.cos_half = std::cos(half_angle);
   for (size_t i = begin; i < end; ++i)
     cone.apex_radius = std::max(cone.apex_radius, (batch.pose(i).translation() - cone.apex).norm());
   return cone;
@@ -96,49 +110,28 @@ ViewCone coneOf(const Batch& batch, size_t begin, size_t end) {
 void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const ViewCone& cone,
                   KernelBlock* block) {
   const EdgeModel& model = *batch.sets[cells.front()]->model;
-  std::vector<uint32_t> indices;
+  SegmentUnion merged(model.segments.size());
   for (const uint32_t c : cells)
-    for (const VisibleSet::Segment& s : batch.sets[c]->segments) indices.push_back(s.index);
-  if (cells.size() > 1) {
-    std::sort(indices.begin(), indices.end());
-    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-  }
-  indices.erase(std::remove_if(indices.begin(), indices.end(),
-                               [&](uint32_t k) {
-                                 const EdgeSegment& s = model.segments[k];
-                                 return cone.misses(s.centre.cast<double>(), s.radius);
-                               }),
-                indices.end());
-  // Samples that thinning leaves.
-  const uint32_t thinning = batch.frame->thinning;
-  std::vector<uint16_t> used(indices.size(), 0xffffu);
-  if (thinning > 1) {
-    size_t kept = 0;
-    for (const uint32_t k : indices) {
-      const uint16_t mask = usedSamples(model.segments[k], thinning);
-      if (mask == 0) continue;
-      used[kept] = mask;
-      indices[kept++] = k;
-    }
-    indices.resize(kept);
-  }
+    for (const VisibleSet::Segment& s : batch.sets[c]->segments)
+      if (s.samples & batch.usedOf(s.index)) merged.insert(s.index);
+  const std::vector<uint32_t> indices = merged.filter([&](uint32_t k) {
+    const EdgeSegment& s = model.segments[k];
+    return !cone.misses(s.centre.cast<double>(), s.radius);
+  });
   block->along = model.sample_along.data();
   block->cells = static_cast<uint32_t>(cells.size());
   block->segments.resize(indices.size());
   block->seen.assign(indices.size() * cells.size(), 0);
   const bool use_facing = batch.frame->params.model == LikelihoodModel::kRobust;
-  for (size_t c = 0; c < cells.size(); ++c) {
-    size_t k = 0;
+  for (size_t c = 0; c < cells.size(); ++c)
     for (const VisibleSet::Segment& s : batch.sets[cells[c]]->segments) {
-      while (k < indices.size() && indices[k] < s.index) ++k;
-      if (k == indices.size()) break;
-      if (indices[k] != s.index) continue;
+      const int32_t k = merged.rank(s.index);
+      if (k < 0) continue;
       const uint32_t facing = use_facing ? s.facing : 65535u;
-      const uint32_t samples = s.samples & used[k];
+      const uint32_t samples = s.samples & batch.usedOf(s.index);
       block->seen[k * cells.size() + c] = samples | facing << 16;
       block->segments[k].samples |= samples;
     }
-  }
   for (size_t k = 0; k < indices.size(); ++k) {
     const EdgeSegment& s = model.segments[indices[k]];
     const EdgeLine& line = model.lines[s.line];
@@ -259,7 +252,7 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
                                             const std::vector<Pose>& camera_poses) const {
   checkLikelihoodInput(frame, camera_poses);
   const size_t n = camera_poses.size();
-  Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n), {}};
+  Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n), {}, {}};
   std::iota(batch.order.begin(), batch.order.end(), 0u);
   std::vector<CellKey> key(n);
   for (size_t i = 0; i < n; ++i) key[i] = visibility_->cellOf(camera_poses[i].translation());
@@ -282,6 +275,7 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
                               visibility_->exact(camera_poses[particle].translation()))
                         : visibility_->cached(key[particle]);
   });
+  batch.thin(visibility_->model());
   std::vector<PoseScore> scores(n);
   last_evaluated_samples_ = scoreAll(batch, &scores);
   return scores;
@@ -291,9 +285,11 @@ std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, cons
                                               const std::vector<Pose>& camera_poses) {
   checkLikelihoodInput(frame, camera_poses);
   const size_t n = camera_poses.size();
-  Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n, 0u), {}};
+  Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n, 0u), {},
+              {}};
   std::iota(batch.order.begin(), batch.order.end(), 0u);
   batch.sets = {std::make_shared<const VisibleSet>(set)};
+  batch.thin(*set.model);
   std::vector<PoseScore> scores(n);
   scoreAll(batch, &scores);
   return scores;

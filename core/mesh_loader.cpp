@@ -1,5 +1,6 @@
 // Reading mesh files through assimp.
 #include <assimp/config.h>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -148,6 +149,13 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
     if (!scene || !scene->mRootNode)
       throw InputError(file + ": not readable as a 3D model: " + importer.GetErrorString());
     soup.material_count = std::max(1u, scene->mNumMaterials);
+    for (unsigned m = 0; m < scene->mNumMaterials; ++m) {
+      aiColor3D color(0.7f, 0.7f, 0.7f);
+      scene->mMaterials[m]->Get(AI_MATKEY_COLOR_DIFFUSE, color);
+      Eigen::Vector3f rgb(color.r, color.g, color.b);
+      if (!rgb.allFinite()) rgb.setConstant(0.7f);
+      soup.material_colors.emplace_back(rgb.cwiseMax(0).cwiseMin(1));
+    }
     appendNode(*scene, *scene->mRootNode, aiMatrix4x4(), mapTransform(params) * fileAxes(extension),
                &soup);
   }

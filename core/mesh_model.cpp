@@ -95,6 +95,8 @@ MeshModel weldMesh(MeshSoup soup, double weld_tolerance, const std::string& orig
   MeshModel mesh;
   mesh.report.vertices_read = soup.vertices.size();
   mesh.material_count = soup.material_count;
+  mesh.material_colors = std::move(soup.material_colors);
+  mesh.material_colors.resize(mesh.material_count, Eigen::Vector3f::Constant(0.7f));
   const std::vector<Index> representative = weldMap(soup.vertices, weld_tolerance);
 
   constexpr Index kUnused = 0xffffffffu;

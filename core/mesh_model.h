@@ -31,6 +31,7 @@ struct MeshModel {
   std::vector<uint32_t> triangle_material;
   std::vector<std::array<uint32_t, 2>> lines;  ///< explicit line elements
   uint32_t material_count = 0;
+  std::vector<Eigen::Vector3f> material_colors;  ///< diffuse red, green, blue, 0 to 1
   MeshReport report;
 
   Eigen::Vector3f lowest = Eigen::Vector3f::Zero();
@@ -45,6 +46,7 @@ struct MeshSoup {
   std::vector<uint32_t> triangle_material;
   std::vector<std::array<uint32_t, 2>> lines;
   uint32_t material_count = 1;
+  std::vector<Eigen::Vector3f> material_colors;  ///< missing ones become grey
 };
 
 /// Welds vertices closer than `weld_tolerance`, drops degenerate and duplicate elements.

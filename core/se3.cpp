@@ -164,4 +164,10 @@ Matrix6 covarianceFromMapAxes(const Pose& mean, const Matrix6& covariance_map_ax
   return m * covariance_map_axes * m.transpose();
 }
 
+Pose opticalOnBody() {
+  Pose pose = Pose::Identity();
+  pose.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return pose;
+}
+
 }  // namespace edge_mcl

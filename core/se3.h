@@ -51,4 +51,8 @@ Matrix6 covarianceInMapAxes(const PoseGaussian& gaussian);
 /// Inverse of covarianceInMapAxes.
 Matrix6 covarianceFromMapAxes(const Pose& mean, const Matrix6& covariance_map_axes);
 
+/// The optical frame (x right, y down, z forward) on a robot whose base has x forward, y left, z up
+/// (REP 103).
+Pose opticalOnBody();
+
 }  // namespace edge_mcl

@@ -1,6 +1,6 @@
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 
-#include <iostream>
+#include <cstdio>
 
 #include "edge_mcl/core/error.h"
 
@@ -17,7 +17,8 @@ void chooseBackend(LocalizationMap* map) {
   const std::string why = whyNoCuda();
   if (why.empty())
     map->setBackend(makeCudaBackend(map->sharedVisibility(), [](const std::string& warning) {
-      std::cerr << "edge_mcl: " << warning << std::endl;
+      // Not by std::cerr, which the tool has closed to the libraries.
+      std::fprintf(stderr, "edge_mcl: %s\n", warning.c_str());
     }));
 #else
   const std::string why = "built without CUDA";

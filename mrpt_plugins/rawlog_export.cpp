@@ -11,12 +11,6 @@
 
 namespace edge_mcl {
 
-Pose opticalOnBody() {
-  Pose pose = Pose::Identity();
-  pose.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return pose;
-}
-
 mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const SequenceFrame& to,
                                              const Pose& T_base_camera,
                                              const FilterParameters& noise) {

@@ -9,9 +9,6 @@
 
 namespace edge_mcl {
 
-/// The optical frame on a robot whose base has x forward, y left, z up (REP 103).
-Pose opticalOnBody();
-
 /// Motion of the base between two images, as an action with a Gaussian. Without odometry: no
 /// motion, with the noise of the constant-velocity model (MRPT's filters demand an action).
 mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const SequenceFrame& to,
