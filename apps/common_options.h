@@ -39,6 +39,7 @@ void addInspect(CLI::App* app, Action* action);
 void addEvaluate(CLI::App* app, Action* action);
 void addBasin(CLI::App* app, Action* action);
 void addRawlog(CLI::App* app, Action* action);
+void addSimulate(CLI::App* app, Action* action);
 void addBench(CLI::App* app, Action* action);
 void addParameters(CLI::App* app, Action* action);
 

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   addEvaluate(&app, &action);
   addBasin(&app, &action);
   addRawlog(&app, &action);
+  addSimulate(&app, &action);
   addBench(&app, &action);
   addParameters(&app, &action);
   try {

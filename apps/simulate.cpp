@@ -1,0 +1,79 @@
+// edge-mcl simulate: a scenario in, a recorded sequence out.
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <future>
+#include <memory>
+
+#include "common_options.h"
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/sim/simulator.h"
+#include "progress_bar.h"
+
+namespace edge_mcl {
+
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+struct SimulateOptions {
+  std::string scenario, out;
+  std::string seed, rate;
+  size_t images = 0;
+  bool no_objects = false;
+};
+
+int run(const SimulateOptions& o) {
+  Scenario scenario = Scenario::fromYamlFile(o.scenario);
+  if (!o.seed.empty()) scenario.seed = std::stoull(o.seed);
+  if (!o.rate.empty()) scenario.rate = std::stod(o.rate);
+  if (o.no_objects) scenario.objects.clear();
+  Simulator simulator(std::move(scenario));
+  const Scenario& s = simulator.scenario();
+  SequenceWriter writer(o.out, s.camera, s.model_file, s.depth_scale,
+                        s.cameraAt(simulator.timeOf(0)));
+  if (!s.path_is_of_camera) writer.writeImu(simulateImu(s.path, s.imu, s.seed * 3));
+  const size_t total =
+      o.images > 0 ? std::min(o.images, simulator.imageCount()) : simulator.imageCount();
+  const auto previous = std::signal(SIGINT, [](int) { interrupted = 1; });
+  ProgressBar bar("simulate", total);
+  const auto start = std::chrono::steady_clock::now();
+  size_t dropped = 0;
+  std::future<void> writing;  // of one image, while the next is rendered
+  for (size_t i = 0; i < total && !interrupted; ++i) {
+    auto frame = std::make_shared<RecordedFrame>();
+    const bool arrived = simulator.next(frame.get());
+    if (writing.valid()) writing.get();
+    if (arrived)
+      writing = std::async(std::launch::async, [&writer, frame] { writer.write(*frame); });
+    else
+      ++dropped;
+    bar.advance();
+  }
+  if (writing.valid()) writing.get();
+  std::signal(SIGINT, previous);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::printf("%s: %zu images%s, %zu dropped on the way, %.1f images/s\n", o.out.c_str(),
+              writer.count(), interrupted ? " (interrupted)" : "", dropped,
+              static_cast<double>(writer.count()) / seconds);
+  return kExitOk;
+}
+
+}  // namespace
+
+void addSimulate(CLI::App* app, Action* action) {
+  auto o = std::make_shared<SimulateOptions>();
+  CLI::App* c = app->add_subcommand(
+      "simulate", "fly a camera through a model: colour, depth, masks, odometry, IMU, truth");
+  c->add_option("scenario", o->scenario, "YAML file: model, camera, path, objects, faults")
+      ->required();
+  c->add_option("out", o->out, "sequence directory to write")->required();
+  c->add_option("--seed", o->seed, "seed of all noise")->check(CLI::NonNegativeNumber);
+  c->add_option("--rate", o->rate, "images per second")->check(CLI::Range(0.1, 1000.0));
+  c->add_option("--images", o->images, "stop after so many");
+  c->add_flag("--no-objects", o->no_objects, "leave the movable objects out");
+  c->callback([o, action] { *action = [o] { return run(*o); }; });
+}
+
+}  // namespace edge_mcl

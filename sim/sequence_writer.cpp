@@ -1,0 +1,143 @@
+#include "edge_mcl/sim/sequence_writer.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/text_table.h"
+
+namespace edge_mcl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string stamp(double time) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6f", time);
+  return text;
+}
+
+std::string cameraYaml(const CameraModel& c) {
+  const bool fisheye = c.distortion == DistortionModel::kEquidistant;
+  const bool rational = c.distortion == DistortionModel::kRationalPolynomial;
+  const int count = fisheye ? 4 : rational ? 8 : 5;
+  std::ostringstream out;
+  out.precision(17);
+  out << "image_width: " << c.width << "\nimage_height: " << c.height
+      << "\ncamera_name: simulated\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [" << c.fx
+      << ", 0, " << c.cx << ", 0, " << c.fy << ", " << c.cy << ", 0, 0, 1]\ndistortion_model: "
+      << (fisheye    ? "equidistant"
+          : rational ? "rational_polynomial"
+                     : "plumb_bob")
+      << "\ndistortion_coefficients:\n  rows: 1\n  cols: " << count << "\n  data: [";
+  for (int i = 0; i < count; ++i) out << (i ? ", " : "") << c.coefficients[i];
+  out << "]\n";
+  return out.str();
+}
+
+}  // namespace
+
+SequenceWriter::SequenceWriter(std::string directory, const CameraModel& camera,
+                               const std::string& model_file, double depth_scale,
+                               const Pose& initial_pose)
+    : directory_(std::move(directory)) {
+  std::error_code error;
+  const fs::path root(directory_);
+  if (fs::exists(root / "rgb.txt", error))
+    throw InputError(directory_ + ": holds a sequence already");
+  for (const char* sub : {"rgb", "depth", "mask"}) {
+    fs::create_directories(root / sub, error);
+    if (error) throw InputError((root / sub).string() + ": " + error.message());
+  }
+  fs::copy_file(model_file, root / "model.obj", fs::copy_options::overwrite_existing, error);
+  if (error) throw InputError((root / "model.obj").string() + ": " + error.message());
+  writeText("camera.yaml", cameraYaml(camera));
+  const std::string pose = formatPose("", initial_pose);
+  std::istringstream numbers(pose);
+  std::string list, word;
+  while (numbers >> word) list += (list.empty() ? "" : ", ") + word;
+  std::ostringstream description;
+  description << "name: " << fs::absolute(root).lexically_normal().filename().string()
+              << "\nsource: edge-mcl simulate\nreal: false\nup_axis: z\ndepth_scale: "
+              << depth_scale << "\ninitial_pose: [" << list << "]\ninitial_std: [0.1, 0.05]\n";
+  writeText("sequence.yaml", description.str());
+  const auto open = [&](std::ofstream* stream, const char* name, const char* header) {
+    stream->open(root / name, std::ios::trunc);
+    append(stream, name, header);
+  };
+  open(&rgb_, "rgb.txt", "# timestamp filename");
+  open(&depth_, "depth.txt", "# timestamp filename");
+  open(&mask_, "mask.txt", "# timestamp filename");
+  open(&truth_, "groundtruth.txt", "# timestamp tx ty tz qx qy qz qw (camera in the map)");
+  open(&odometry_, "odometry.txt", "# timestamp tx ty tz qx qy qz qw (dead reckoning)");
+}
+
+void SequenceWriter::writeFile(const std::string& name, const std::vector<uint8_t>& bytes) {
+  const fs::path file = fs::path(directory_) / name;
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (out) return;
+  std::error_code ignored;
+  fs::remove(file, ignored);  // no half images
+  throw InputError(file.string() + ": cannot be written (disk full?); " + std::to_string(count_) +
+                   " images are complete");
+}
+
+void SequenceWriter::writeText(const std::string& name, const std::string& text) {
+  writeFile(name, std::vector<uint8_t>(text.begin(), text.end()));
+}
+
+void SequenceWriter::writeImage(const std::string& name, const cv::Mat& image) {
+  std::vector<uint8_t> bytes;
+  cv::imencode(".png", image, bytes,
+               {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY,
+                cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY});
+  writeFile(name, bytes);
+}
+
+void SequenceWriter::append(std::ofstream* list, const std::string& name, const std::string& line) {
+  *list << line << '\n';
+  list->flush();
+  if (!*list)
+    throw InputError((fs::path(directory_) / name).string() + ": cannot be written (disk full?); " +
+                     std::to_string(count_) + " images are complete");
+}
+
+void SequenceWriter::write(const RecordedFrame& frame) {
+  const std::string time = stamp(frame.time);
+  char number[16];
+  std::snprintf(number, sizeof number, "%06zu.png", count_);
+  const std::string rgb = std::string("rgb/") + number, depth = std::string("depth/") + number,
+                    mask = std::string("mask/") + number;
+  writeImage(depth, frame.depth);
+  writeImage(mask, frame.mask);
+  writeImage(rgb, frame.color);
+  append(&truth_, "groundtruth.txt", formatPose(time, frame.truth));
+  append(&odometry_, "odometry.txt", formatPose(time, frame.odometry));
+  append(&depth_, "depth.txt", time + " " + depth);
+  append(&mask_, "mask.txt", time + " " + mask);
+  // Last: what rgb.txt lists is there in full.
+  append(&rgb_, "rgb.txt", time + " " + rgb);
+  ++count_;
+}
+
+void SequenceWriter::writeImu(const std::vector<ImuReading>& readings) {
+  std::ostringstream out;
+  out << "# timestamp wx wy wz ax ay az (body x forward, z up; rad/s, m/s^2 with gravity)\n";
+  out.precision(9);
+  for (const ImuReading& r : readings) {
+    out << stamp(r.time);
+    for (const double v : {r.angular_velocity.x(), r.angular_velocity.y(), r.angular_velocity.z(),
+                           r.specific_force.x(), r.specific_force.y(), r.specific_force.z()})
+      out << ' ' << v;
+    out << '\n';
+  }
+  writeText("imu.txt", out.str());
+}
+
+}  // namespace edge_mcl

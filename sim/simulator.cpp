@@ -1,0 +1,87 @@
+#include "edge_mcl/sim/simulator.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "edge_mcl/core/error.h"
+
+namespace edge_mcl {
+
+Simulator::Simulator(Scenario scenario)
+    : scenario_(std::move(scenario)),
+      scene_(std::make_unique<Scene>(loadMesh(scenario_.model_file, {}))),
+      odometry_(scenario_.odometry, scenario_.seed * 3 + 1),
+      random_(scenario_.seed * 3 + 2),
+      image_count_(static_cast<size_t>(std::floor(
+                       (scenario_.path.end() - scenario_.path.begin()) * scenario_.rate + 1e-6)) +
+                   1) {
+  checkPath();  // against the building alone: objects may be passed through
+  for (const MovableObject& object : scenario_.objects)
+    scene_->addObject(loadMesh(object.model_file, {}));
+  renderer_ = std::make_unique<Renderer>(*scene_, scenario_.camera, scenario_.lighting);
+}
+
+double Simulator::timeOf(size_t image) const {
+  return scenario_.path.begin() + static_cast<double>(image) / scenario_.rate;
+}
+
+void Simulator::checkPath() const {
+  const auto fault = [&](double time, const std::string& what) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.2f s", time);
+    throw InputError(scenario_.file + ": the path " + what + " at " + text);
+  };
+  Eigen::Vector3d last = scenario_.cameraAt(timeOf(0)).translation();
+  for (size_t i = 0; i < image_count_; ++i) {
+    const double time = timeOf(i);
+    const Eigen::Vector3d here = scenario_.cameraAt(time).translation();
+    if (i > 0 && scene_->blocked(last.cast<float>(), here.cast<float>()))
+      fault(time, "leads through the building");
+    if (scenario_.clearance > 0 &&
+        scene_->clearance(here, scenario_.clearance) < scenario_.clearance)
+      fault(time, "comes closer to the building than the clearance of " +
+                      std::to_string(scenario_.clearance) + " m");
+    last = here;
+  }
+}
+
+RenderedImage Simulator::renderAt(double time) {
+  for (size_t k = 0; k < scenario_.objects.size(); ++k)
+    scene_->place(k, scenario_.objects[k].path.at(time));
+  scene_->commit();
+  return renderer_->render(scenario_.cameraAt(time));
+}
+
+bool Simulator::next(RecordedFrame* frame) {
+  if (next_ >= image_count_) throw Error("simulator: the flight is over");
+  const size_t number = next_++;
+  const double time = timeOf(number);
+  frame->time = time;
+  frame->truth = scenario_.cameraAt(time);
+  frame->odometry = odometry_.next(time, frame->truth);
+  if (random_.uniform() < scenario_.faults.dropped) return false;
+  const CameraFaults& faults = scenario_.faults;
+  RenderedImage image = renderAt(time);
+  if (faults.exposure_time > 0 && faults.blur_steps > 1) {
+    // The stamp is the middle of the exposure; depth and mask are of that moment.
+    cv::Mat sum = cv::Mat::zeros(image.color.size(), CV_32FC3);
+    for (int k = 0; k < faults.blur_steps; ++k) {
+      const double offset = (k + 0.5) / faults.blur_steps - 0.5;
+      cv::Mat part;
+      renderAt(time + offset * faults.exposure_time).color.convertTo(part, CV_32FC3);
+      sum += part;
+    }
+    sum.convertTo(image.color, CV_8UC3, 1.0 / faults.blur_steps);
+  }
+  spoil(faults, time, scenario_.seed * 1000003 + number, &image.color);
+  frame->color = image.color;
+  image.depth.convertTo(frame->depth, CV_16U, scenario_.depth_scale);
+  frame->depth.setTo(0, image.depth > 65535 / scenario_.depth_scale);
+  cv::Mat building, nothing;
+  cv::compare(image.object, 0, building, cv::CMP_EQ);
+  cv::compare(image.object, 65535, nothing, cv::CMP_EQ);
+  frame->mask = ~(building | nothing);
+  return true;
+}
+
+}  // namespace edge_mcl

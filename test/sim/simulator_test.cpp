@@ -1,0 +1,262 @@
+#include "edge_mcl/sim/simulator.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/sequence.h"
+#include "edge_mcl/mrpt_plugins/sequence_localizer.h"
+
+namespace edge_mcl {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kMaps = EDGE_MCL_MAPS;
+
+std::string contentOf(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class SimulatorTest : public testing::Test {
+ protected:
+  fs::path folder_ =
+      fs::temp_directory_path() / ("edge_mcl_sim_" + std::to_string(getpid()) + "_" +
+                                   testing::UnitTest::GetInstance()->current_test_info()->name());
+  void SetUp() override {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// A flight through the office with a small camera.
+  std::string scenario(const std::string& more = "",
+                       const std::string& path =
+                           "path:\n"
+                           "  - {time: 0, position: [1.0, 1.2, 1.3], yaw_deg: 35}\n"
+                           "  - {time: 1, position: [1.5, 1.5, 1.4], yaw_deg: 50}\n"
+                           "  - {time: 2, position: [2.2, 1.5, 1.4], yaw_deg: 65}\n") {
+    std::ofstream(folder_ / "camera.yaml")
+        << "image_width: 320\nimage_height: 240\ncamera_matrix: {rows: 3, cols: 3, data: [215, 0, "
+           "161, 0, 215, 119, 0, 0, 1]}\ndistortion_model: plumb_bob\ndistortion_coefficients: "
+           "{rows: 1, cols: 5, data: [-0.12, 0.03, 0.0004, -0.0003, 0]}\n";
+    std::ofstream(folder_ / "flight.yaml")
+        << "model: " << fs::relative(kMaps + "/office.obj", folder_).string()
+        << "\ncamera: camera.yaml\nrate: 15\n"
+        << path << "objects:\n  - name: person\n    model: "
+        << fs::relative(kMaps + "/objects/person.obj", folder_).string()
+        << "\n    path:\n      - {time: 0, position: [2.0, 4.6, 0]}\n"
+           "      - {time: 2, position: [3.4, 4.4, 0]}\n"
+        << more;
+    return (folder_ / "flight.yaml").string();
+  }
+
+  std::string record(const std::string& file, const std::string& name, size_t images,
+                     uint64_t seed = 1) {
+    Scenario s = Scenario::fromYamlFile(file);
+    s.seed = seed;
+    Simulator simulator(s);
+    const std::string out = (folder_ / name).string();
+    SequenceWriter writer(out, s.camera, s.model_file, s.depth_scale, s.cameraAt(0));
+    writer.writeImu(simulateImu(s.path, s.imu, s.seed));
+    for (size_t i = 0; i < std::min(images, simulator.imageCount()); ++i) {
+      RecordedFrame frame;
+      if (simulator.next(&frame)) writer.write(frame);
+    }
+    return out;
+  }
+};
+
+TEST_F(SimulatorTest, SameSeedSameBytes) {
+  const std::string file = scenario("faults: {noise: 3, exposure_swing: 0.2, dropped: 0.3}\n");
+  const fs::path a = record(file, "a", 6), b = record(file, "b", 6), c = record(file, "c", 6, 2);
+  int files = 0, differ = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(a)) {
+    if (!entry.is_regular_file()) continue;
+    const fs::path name = fs::relative(entry.path(), a);
+    if (name == "sequence.yaml") continue;  // holds the directory's name
+    ++files;
+    EXPECT_EQ(contentOf(a / name), contentOf(b / name)) << name;
+    differ += contentOf(a / name) != contentOf(c / name);
+  }
+  EXPECT_GT(files, 10);
+  EXPECT_GT(differ, 5);
+}
+
+TEST_F(SimulatorTest, WhatItWritesIsASequenceAndIsTracked) {
+  const std::string out = record(scenario(), "out", 100);
+  const Sequence sequence = readSequence(out);
+  ASSERT_EQ(sequence.frames.size(), 31u);
+  ASSERT_TRUE(sequence.has_odometry);
+  Parameters params;
+  params.filter.particles = 300;
+  const LocalizationMap map(sequence.model_file, params);
+  SequenceLocalizer localizer(map, sequence, true);
+  double worst = 0;
+  for (const SequenceFrame& frame : sequence.frames) {
+    const FrameResult r = localizer.step();
+    EXPECT_TRUE(r.updated) << r.problem;
+    ASSERT_TRUE(frame.ground_truth && !frame.mask_file.empty());
+    worst =
+        std::max(worst, (r.estimate.mean.translation() - frame.ground_truth->translation()).norm());
+  }
+  // Medians are some millimetres; a wrong frame or stamp anywhere would cost decimetres.
+  EXPECT_LT(worst, 0.10);
+}
+
+TEST_F(SimulatorTest, FaultsSpoilTheImageAlone) {
+  Scenario clean = Scenario::fromYamlFile(scenario()), faulty = clean;
+  clean.faults.noise = 0;
+  faulty.faults.noise = 6;
+  RecordedFrame a, b;
+  Simulator(clean).next(&a);
+  Simulator(faulty).next(&b);
+  EXPECT_EQ(cv::countNonZero(a.mask != b.mask), 0);
+  EXPECT_EQ(cv::countNonZero(a.depth != b.depth), 0);
+  double sum = 0, squares = 0;
+  int n = 0;
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x) {
+      const int value = a.color.at<cv::Vec3b>(y, x)[1];
+      if (value < 40 || value > 215) continue;  // not clipped
+      const double d = b.color.at<cv::Vec3b>(y, x)[1] - value;
+      sum += d;
+      squares += d * d;
+      ++n;
+    }
+  EXPECT_NEAR(sum / n, 0, 0.15);                 // 6 / sqrt(50,000), five times
+  EXPECT_NEAR(std::sqrt(squares / n), 6, 0.15);  // rounding adds 1/12
+  Scenario blurred = clean;
+  blurred.faults.exposure_time = 0.1;
+  RecordedFrame c;
+  Simulator moving(blurred);
+  moving.next(&c);
+  moving.next(&c);
+  Simulator sharp(clean);
+  sharp.next(&a);
+  sharp.next(&a);
+  EXPECT_EQ(cv::countNonZero(a.depth != c.depth), 0);
+  EXPECT_GT(cv::norm(a.color, c.color, cv::NORM_L1), 1e5);
+}
+
+TEST_F(SimulatorTest, DroppedImagesAreAboutAsManyAsAskedFor) {
+  Scenario s = Scenario::fromYamlFile(scenario());
+  s.rate = 200;
+  s.camera.width = s.camera.height = 16;
+  s.camera.validate("tiny");
+  s.faults.dropped = 0.25;
+  Simulator simulator(s);
+  int dropped = 0;
+  for (size_t i = 0; i < simulator.imageCount(); ++i) {
+    RecordedFrame frame;
+    dropped += !simulator.next(&frame);
+  }
+  EXPECT_NEAR(dropped / 401.0, 0.25, 0.09);  // four standard deviations
+}
+
+TEST_F(SimulatorTest, BadScenariosAreOneClearLine) {
+  const auto messageOf = [&](const std::string& file) -> std::string {
+    try {
+      Simulator simulator(Scenario::fromYamlFile(file));
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos && text.find('\n') == std::string::npos;
+  };
+  EXPECT_TRUE(has(messageOf(scenario("ratte: 3\n")), "unknown key 'ratte' (did you mean 'rate'?)"));
+  EXPECT_TRUE(has(messageOf(scenario("faults: {noise: -1}\n")), "noise must be between"));
+  EXPECT_TRUE(has(messageOf(scenario("faults: {noise: loud}\n")), "wrong type"));
+  EXPECT_TRUE(has(messageOf(scenario("", "")), "neither 'path' nor 'trajectory'"));
+  EXPECT_TRUE(has(messageOf(scenario("", "path:\n  - {time: 0, position: [1, 1, 1]}\n")),
+                  "at least two points"));
+  EXPECT_TRUE(has(messageOf(scenario("",
+                                     "path:\n  - {time: 0, position: [1, 1, 1.4]}\n"
+                                     "  - {time: 2, position: [9, 1, 1.4]}\n")),
+                  "the path "));
+  EXPECT_TRUE(has(messageOf(scenario("clearance: 0\n",
+                                     "path:\n  - {time: 0, position: [5, 1.2, 1.4]}\n"
+                                     "  - {time: 2, position: [7, 1.2, 1.4]}\n")),
+                  "leads through the building at 1.00 s"));
+  EXPECT_TRUE(has(messageOf((folder_ / "missing.yaml").string()), "cannot be read"));
+  std::ofstream(folder_ / "broken.yaml") << "model: [unclosed\n";
+  EXPECT_NE(messageOf((folder_ / "broken.yaml").string()), "");
+}
+
+/// A limit on the size of files stands for a disk that is full.
+TEST_F(SimulatorTest, AFullDiskEndsTheRecordingWhichStaysReadable) {
+  Scenario s = Scenario::fromYamlFile(scenario());
+  s.faults.noise = 0;
+  Simulator simulator(s);
+  const std::string out = (folder_ / "full").string();
+  SequenceWriter writer(out, s.camera, s.model_file, s.depth_scale, s.cameraAt(0));
+  RecordedFrame frame;
+  simulator.next(&frame);
+  writer.write(frame);
+  simulator.next(&frame);
+  writer.write(frame);
+  simulator.next(&frame);
+  const auto previous = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{2000, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  std::string message;
+  try {
+    writer.write(frame);
+  } catch (const InputError& e) {
+    message = e.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, previous);
+  EXPECT_NE(message.find("cannot be written"), std::string::npos);
+  EXPECT_NE(message.find("2 images are complete"), std::string::npos);
+  const Sequence sequence = readSequence(out);
+  ASSERT_EQ(sequence.frames.size(), 2u);
+  for (const SequenceFrame& f : sequence.frames) EXPECT_NO_THROW(readImage(f.image_file, s.camera));
+  EXPECT_THROW(SequenceWriter(out, s.camera, s.model_file, 5000, Pose::Identity()), InputError);
+}
+
+TEST(Maps, AreWhatTheirScriptMakes) {
+  const fs::path folder = fs::temp_directory_path() / ("edge_mcl_maps_" + std::to_string(getpid()));
+  ASSERT_EQ(
+      std::system(
+          ("/usr/bin/python3 -B '" + kMaps + "/generate.py' '" + folder.string() + "'").c_str()),
+      0);
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    ++files;
+    const fs::path name = fs::relative(entry.path(), folder);
+    EXPECT_EQ(contentOf(entry.path()), contentOf(fs::path(kMaps) / name)) << name;
+  }
+  EXPECT_EQ(files, 10);
+  fs::remove_all(folder);
+}
+
+/// The same building in two formats.
+TEST(Maps, TheOfficeIsTheSameInColladaAsInObj) {
+  const MeshModel obj = loadMesh(kMaps + "/office.obj", {});
+  const MeshModel dae = loadMesh(kMaps + "/office.dae", {});
+  EXPECT_EQ(obj.triangles.size(), dae.triangles.size());
+  EXPECT_EQ(obj.vertices.size(), dae.vertices.size());
+  EXPECT_LT((obj.lowest - dae.lowest).norm(), 1e-5f);
+  EXPECT_LT((obj.highest - dae.highest).norm(), 1e-5f);
+}
+
+TEST(Maps, EveryFlightIsClearOfTheBuilding) {
+  for (const char* name : {"office", "house", "hall"})
+    EXPECT_NO_THROW(Simulator(Scenario::fromYamlFile(kMaps + "/" + name + "_flight.yaml"))) << name;
+}
+
+}  // namespace
+}  // namespace edge_mcl
