@@ -30,8 +30,7 @@ int run(const SimulateOptions& o) {
   if (o.no_objects) scenario.objects.clear();
   Simulator simulator(std::move(scenario));
   const Scenario& s = simulator.scenario();
-  SequenceWriter writer(o.out, s.camera, s.model_file, s.depth_scale,
-                        s.cameraAt(simulator.timeOf(0)));
+  SequenceWriter writer(o.out, s.camera, s.model_file, simulator.describe());
   if (!s.path_is_of_camera) writer.writeImu(simulateImu(s.path, s.imu, s.seed * 3));
   const size_t total =
       o.images > 0 ? std::min(o.images, simulator.imageCount()) : simulator.imageCount();

@@ -34,15 +34,16 @@ std::string cameraYaml(const CameraModel& c) {
                      : "plumb_bob")
       << "\ndistortion_coefficients:\n  rows: 1\n  cols: " << count << "\n  data: [";
   for (int i = 0; i < count; ++i) out << (i ? ", " : "") << c.coefficients[i];
-  out << "]\n";
+  out << "]\nrectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+      << "projection_matrix:\n  rows: 3\n  cols: 4\n  data: [" << c.fx << ", 0, " << c.cx
+      << ", 0, 0, " << c.fy << ", " << c.cy << ", 0, 0, 0, 1, 0]\n";
   return out.str();
 }
 
 }  // namespace
 
 SequenceWriter::SequenceWriter(std::string directory, const CameraModel& camera,
-                               const std::string& model_file, double depth_scale,
-                               const Pose& initial_pose)
+                               const std::string& model_file, const SequenceDescription& about)
     : directory_(std::move(directory)) {
   std::error_code error;
   const fs::path root(directory_);
@@ -55,14 +56,16 @@ SequenceWriter::SequenceWriter(std::string directory, const CameraModel& camera,
   fs::copy_file(model_file, root / "model.obj", fs::copy_options::overwrite_existing, error);
   if (error) throw InputError((root / "model.obj").string() + ": " + error.message());
   writeText("camera.yaml", cameraYaml(camera));
-  const std::string pose = formatPose("", initial_pose);
-  std::istringstream numbers(pose);
+  std::istringstream numbers(formatPose("", about.initial_pose));
   std::string list, word;
   while (numbers >> word) list += (list.empty() ? "" : ", ") + word;
   std::ostringstream description;
   description << "name: " << fs::absolute(root).lexically_normal().filename().string()
-              << "\nsource: edge-mcl simulate\nreal: false\nup_axis: z\ndepth_scale: "
-              << depth_scale << "\ninitial_pose: [" << list << "]\ninitial_std: [0.1, 0.05]\n";
+              << "\nsource: edge-mcl simulate\nlicence: that of the model\nreal: false\nup_axis: z"
+              << "\ndepth_scale: " << about.depth_scale << "\ninitial_pose: [" << list
+              << "]\ninitial_std: [" << about.initial_std_position << ", "
+              << about.initial_std_angle << "]\nnotes:\n";
+  for (const std::string& note : about.notes) description << "  - '" << note << "'\n";
   writeText("sequence.yaml", description.str());
   const auto open = [&](std::ofstream* stream, const char* name, const char* header) {
     stream->open(root / name, std::ios::trunc);

@@ -22,6 +22,15 @@ struct RecordedFrame {
   Pose truth, odometry;
 };
 
+/// What sequence.yaml says.
+struct SequenceDescription {
+  double depth_scale = 5000;             ///< units per metre
+  Pose initial_pose = Pose::Identity();  ///< where a localizer is told to start
+  double initial_std_position = 0.1;     ///< m, per axis
+  double initial_std_angle = 0.05;       ///< rad, per axis
+  std::vector<std::string> notes;        ///< without quotes
+};
+
 /// The layout is that of docs/sequences.md, with depth and imu.txt. An image is listed once its
 /// file is complete, so an interrupted recording is a valid, shorter one.
 class SequenceWriter {
@@ -29,7 +38,7 @@ class SequenceWriter {
   /// @param directory is made; must not hold a sequence already. @throws InputError when something
   /// cannot be written; the same from all methods.
   SequenceWriter(std::string directory, const CameraModel& camera, const std::string& model_file,
-                 double depth_scale, const Pose& initial_pose);
+                 const SequenceDescription& about);
   void write(const RecordedFrame& frame);
   void writeImu(const std::vector<ImuReading>& readings);
   size_t count() const { return count_; }

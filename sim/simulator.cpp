@@ -45,6 +45,35 @@ void Simulator::checkPath() const {
   }
 }
 
+SequenceDescription Simulator::describe() const {
+  const Scenario& s = scenario_;
+  SequenceDescription about;
+  about.depth_scale = s.depth_scale;
+  RandomSource random(s.seed * 3 + 4);
+  Twist scale;
+  scale.head<3>().setConstant(about.initial_std_position);
+  scale.tail<3>().setConstant(about.initial_std_angle);
+  about.initial_pose =
+      normalized(s.cameraAt(timeOf(0)) * expSe3(scale.cwiseProduct(random.normalTwist())));
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "odometry: noise per step and axis %g m and %g deg times sqrt(dt / 0.1 s), plus %g "
+                "m/m and %g rad/rad",
+                s.odometry.position, s.odometry.angle_deg, s.odometry.per_metre,
+                s.odometry.per_radian);
+  about.notes.emplace_back(text);
+  std::snprintf(text, sizeof text,
+                "camera: noise %g grey levels, exposure swing %g over %g s, exposure %g s, dropped "
+                "%g; depth and masks are exact",
+                s.faults.noise, s.faults.exposure_swing, s.faults.exposure_period,
+                s.faults.exposure_time, s.faults.dropped);
+  about.notes.emplace_back(text);
+  std::snprintf(text, sizeof text, "%zu movable objects, seed %llu", s.objects.size(),
+                static_cast<unsigned long long>(s.seed));
+  about.notes.emplace_back(text);
+  return about;
+}
+
 RenderedImage Simulator::renderAt(double time) {
   for (size_t k = 0; k < scenario_.objects.size(); ++k)
     scene_->place(k, scenario_.objects[k].path.at(time));

@@ -17,6 +17,9 @@ class Simulator {
   /// time and poses are set.
   bool next(RecordedFrame* frame);
 
+  /// Initial pose drawn around the truth with its standard deviations; notes on the noise.
+  SequenceDescription describe() const;
+
   const Scenario& scenario() const { return scenario_; }
   double timeOf(size_t image) const;
 

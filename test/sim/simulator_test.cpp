@@ -64,7 +64,7 @@ class SimulatorTest : public testing::Test {
     s.seed = seed;
     Simulator simulator(s);
     const std::string out = (folder_ / name).string();
-    SequenceWriter writer(out, s.camera, s.model_file, s.depth_scale, s.cameraAt(0));
+    SequenceWriter writer(out, s.camera, s.model_file, simulator.describe());
     writer.writeImu(simulateImu(s.path, s.imu, s.seed));
     for (size_t i = 0; i < std::min(images, simulator.imageCount()); ++i) {
       RecordedFrame frame;
@@ -198,7 +198,7 @@ TEST_F(SimulatorTest, AFullDiskEndsTheRecordingWhichStaysReadable) {
   s.faults.noise = 0;
   Simulator simulator(s);
   const std::string out = (folder_ / "full").string();
-  SequenceWriter writer(out, s.camera, s.model_file, s.depth_scale, s.cameraAt(0));
+  SequenceWriter writer(out, s.camera, s.model_file, simulator.describe());
   RecordedFrame frame;
   simulator.next(&frame);
   writer.write(frame);
@@ -223,7 +223,7 @@ TEST_F(SimulatorTest, AFullDiskEndsTheRecordingWhichStaysReadable) {
   const Sequence sequence = readSequence(out);
   ASSERT_EQ(sequence.frames.size(), 2u);
   for (const SequenceFrame& f : sequence.frames) EXPECT_NO_THROW(readImage(f.image_file, s.camera));
-  EXPECT_THROW(SequenceWriter(out, s.camera, s.model_file, 5000, Pose::Identity()), InputError);
+  EXPECT_THROW(SequenceWriter(out, s.camera, s.model_file, {}), InputError);
 }
 
 TEST(Maps, AreWhatTheirScriptMakes) {
