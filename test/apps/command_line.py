@@ -177,12 +177,30 @@ def other_commands(c, source):
     write(yaml, r.stdout)
     again = c.run('parameters', '--params', yaml)
     check(again.stdout == r.stdout, 'parameters can be read back')
-    for command in ('localize', 'inspect', 'evaluate', 'basin', 'rawlog', 'bench', 'parameters'):
+    for command in ('localize', 'inspect', 'evaluate', 'basin', 'rawlog', 'simulate', 'bench',
+                    'parameters'):
         r = c.run(command, '--help')
         check(r.returncode == OK and len(r.stdout) > 200, command + ' --help')
     check(c.run().returncode == USAGE, 'no subcommand')
     check(c.run('localize').returncode == USAGE, 'no sequence')
     check(c.run('localize', '/no/such/dir').returncode == INPUT, 'no such sequence')
+
+
+def simulator(c, source):
+    office = os.path.join(source, 'maps', 'office_flight.yaml')
+    out = os.path.join(c.folder, 'flight')
+    r = c.run('simulate', office, out, '--images', '3')
+    check(r.returncode == OK and '3 images' in r.stdout, 'simulate')
+    r = c.run('localize', out, '--particles', '200', '--out', os.path.join(c.folder, 'flight.txt'))
+    check(r.returncode == OK and '3 images' in r.stdout, 'localize what was simulated')
+    r = c.run('simulate', office, out)
+    check(r.returncode == INPUT and 'holds a sequence already' in r.stderr, 'nothing is overwritten')
+    broken = os.path.join(c.folder, 'broken.yaml')
+    write(broken, 'model: x.obj\ncamera: y.yaml\nspeed: 3\n')
+    r = c.run('simulate', broken, os.path.join(c.folder, 'none'))
+    check(r.returncode == INPUT and "unknown key 'speed'" in r.stderr and
+          r.stderr.count('\n') == 1, 'a broken scenario is one line')
+    check(c.run('simulate', office).returncode == USAGE, 'no directory to write to')
 
 
 def main():
@@ -192,6 +210,7 @@ def main():
         c = Cases(tool, folder)
         bad_input(c)
         other_commands(c, source)
+        simulator(c, source)
     finally:
         shutil.rmtree(folder)
     return 1 if failures else 0
