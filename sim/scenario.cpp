@@ -105,7 +105,7 @@ Scenario Scenario::fromYamlFile(const std::string& file) {
   Scenario s;
   s.file = file;
   std::string model, camera, trajectory;
-  YAML::Node path, objects, lighting, faults, odometry, imu;
+  YAML::Node path, random, objects, lighting, faults, odometry, imu;
   KeyReader(root, file)
       .required("model", &model)
       .required("camera", &camera)
@@ -113,6 +113,7 @@ Scenario Scenario::fromYamlFile(const std::string& file) {
       .optional("rate", &s.rate)
       .optional("path", &path)
       .optional("trajectory", &trajectory)
+      .optional("random", &random)
       .optional("clearance", &s.clearance)
       .optional("objects", &objects)
       .optional("lighting", &lighting)
@@ -129,8 +130,15 @@ Scenario Scenario::fromYamlFile(const std::string& file) {
   } else if (!trajectory.empty()) {
     s.path = FlightPath::throughPoses(readTrajectory(beside(trajectory)), beside(trajectory));
     s.path_is_of_camera = true;
+  } else if (random.IsDefined() && !random.IsNull()) {
+    KeyReader(random, file + ": random")
+        .required("duration", &s.random_duration)
+        .optional("speed", &s.random_speed)
+        .finish();
+    requireRange(s.random_duration, 0.1, 3600, file + ": random: duration");
+    requireRange(s.random_speed, 0.01, 20, file + ": random: speed");
   } else {
-    throw InputError(file + ": neither 'path' nor 'trajectory' is given");
+    throw InputError(file + ": neither 'path' nor 'trajectory' nor 'random' is given");
   }
   if (objects.IsDefined() && !objects.IsNull())
     for (const YAML::Node& node : objects) {

@@ -27,7 +27,9 @@ struct Scenario {
   double rate = 30;            ///< images per second
   FlightPath path;  ///< of the body (x forward, z up), or of the camera for recorded poses
   bool path_is_of_camera = false;
-  double clearance = 0.15;  ///< m; the path keeps so far from every face
+  /// Instead of a path: made by the simulator when the duration is not zero.
+  double random_duration = 0, random_speed = 0.8;  ///< s, m/s
+  double clearance = 0.15;                         ///< m; the path keeps so far from every face
   std::vector<MovableObject> objects;
   Lighting lighting;
   CameraFaults faults;

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/sim/random_flight.h"
 
 namespace edge_mcl {
 
@@ -11,10 +12,15 @@ Simulator::Simulator(Scenario scenario)
     : scenario_(std::move(scenario)),
       scene_(std::make_unique<Scene>(loadMesh(scenario_.model_file, {}))),
       odometry_(scenario_.odometry, scenario_.seed * 3 + 1),
-      random_(scenario_.seed * 3 + 2),
-      image_count_(static_cast<size_t>(std::floor(
-                       (scenario_.path.end() - scenario_.path.begin()) * scenario_.rate + 1e-6)) +
-                   1) {
+      random_(scenario_.seed * 3 + 2) {
+  if (scenario_.random_duration > 0)
+    scenario_.path = randomFlight(*scene_,
+                                  {scenario_.random_duration, scenario_.random_speed,
+                                   scenario_.seed * 3 + 5, scenario_.clearance},
+                                  scenario_.file);
+  image_count_ = static_cast<size_t>(std::floor(
+                     (scenario_.path.end() - scenario_.path.begin()) * scenario_.rate + 1e-6)) +
+                 1;
   checkPath();  // against the building alone: objects may be passed through
   for (const MovableObject& object : scenario_.objects)
     scene_->addObject(loadMesh(object.model_file, {}));

@@ -31,7 +31,7 @@ class Simulator {
   std::unique_ptr<Renderer> renderer_;
   OdometrySimulator odometry_;
   RandomSource random_;
-  size_t image_count_, next_ = 0;
+  size_t image_count_ = 0, next_ = 0;
 };
 
 }  // namespace edge_mcl

@@ -176,7 +176,7 @@ TEST_F(SimulatorTest, BadScenariosAreOneClearLine) {
   EXPECT_TRUE(has(messageOf(scenario("ratte: 3\n")), "unknown key 'ratte' (did you mean 'rate'?)"));
   EXPECT_TRUE(has(messageOf(scenario("faults: {noise: -1}\n")), "noise must be between"));
   EXPECT_TRUE(has(messageOf(scenario("faults: {noise: loud}\n")), "wrong type"));
-  EXPECT_TRUE(has(messageOf(scenario("", "")), "neither 'path' nor 'trajectory'"));
+  EXPECT_TRUE(has(messageOf(scenario("", "")), "neither 'path' nor 'trajectory' nor 'random'"));
   EXPECT_TRUE(has(messageOf(scenario("", "path:\n  - {time: 0, position: [1, 1, 1]}\n")),
                   "at least two points"));
   EXPECT_TRUE(has(messageOf(scenario("",
@@ -224,6 +224,28 @@ TEST_F(SimulatorTest, AFullDiskEndsTheRecordingWhichStaysReadable) {
   ASSERT_EQ(sequence.frames.size(), 2u);
   for (const SequenceFrame& f : sequence.frames) EXPECT_NO_THROW(readImage(f.image_file, s.camera));
   EXPECT_THROW(SequenceWriter(out, s.camera, s.model_file, {}), InputError);
+}
+
+TEST_F(SimulatorTest, RandomFlightsAreClearAndGoByTheirSeed) {
+  Scenario s = Scenario::fromYamlFile(scenario("", "random: {duration: 15, speed: 0.7}\n"));
+  std::vector<Eigen::Vector3d> ends;
+  for (const uint64_t seed : {1, 2, 3, 1}) {
+    s.seed = seed;
+    // The simulator itself checks the clearance at every image.
+    const Simulator simulator(s);
+    const FlightPath& path = simulator.scenario().path;
+    EXPECT_GE(path.end(), 15);
+    ends.push_back(path.at(path.end()).translation());
+    double length = 0;
+    for (double t = 0.1; t <= path.end(); t += 0.1) {
+      length += (path.at(t).translation() - path.at(t - 0.1).translation()).norm();
+      EXPECT_LT(path.velocity(t).norm(), 3);
+    }
+    EXPECT_GT(length, 3);
+  }
+  EXPECT_EQ(ends[0], ends[3]);
+  EXPECT_NE(ends[0], ends[1]);
+  EXPECT_NE(ends[1], ends[2]);
 }
 
 TEST(Maps, AreWhatTheirScriptMakes) {
