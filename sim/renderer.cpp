@@ -34,9 +34,7 @@ bool differ(const Scene& scene, const Surface& a, const Surface& b) {
 }
 
 cv::Vec3b toPixel(const Eigen::Vector3f& color) {
-  const auto byte = [](float v) {
-    return static_cast<uint8_t>(255 * std::clamp(v, 0.0f, 1.0f) + 0.5f);
-  };
+  const auto byte = [](float v) { return cv::saturate_cast<uint8_t>(255 * v); };
   return {byte(color.z()), byte(color.y()), byte(color.x())};
 }
 
@@ -127,10 +125,11 @@ RenderedImage Renderer::render(const Pose& T_map_camera) const {
         continue;
       Eigen::Vector3f directions[Scene::kPacket];
       SceneHit hits[Scene::kPacket];
-      for (int i = 0; i < Scene::kPacket; ++i)
-        directions[i] =
-            direction(rays_.at(x, y, (static_cast<float>(i % kTile) + 0.5f) / kTile - 0.5f,
-                               (static_cast<float>(i / kTile) + 0.5f) / kTile - 0.5f));
+      const auto offset = [](int k) { return (static_cast<float>(k) + 0.5f) / kTile - 0.5f; };
+      for (int i = 0; i < Scene::kPacket; ++i) {
+        const int column = i % kTile, row = i / kTile;
+        directions[i] = direction(rays_.at(x, y, offset(column), offset(row)));
+      }
       scene_.cast(eye, directions, Scene::kPacket, hits);
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       for (int i = 0; i < Scene::kPacket; ++i) sum += shade(eye, directions[i], hits[i]);

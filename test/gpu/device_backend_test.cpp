@@ -134,6 +134,7 @@ TEST_F(DeviceBackendTest, ManyThreadsTakeTurns) {
   const std::vector<Pose> poses = cloud(30, 4);
   const auto expected = cpu.evaluate(image->frame, poses);
   std::vector<std::thread> threads;
+  threads.reserve(4);
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&] {
       for (int k = 0; k < 8; ++k) {

@@ -36,7 +36,7 @@ TEST_P(EveryDistortion, RaysProjectBackToTheirPixels) {
   for (int y = 0; y < 480; ++y)
     for (int x = 0; x < 640; ++x) {
       Eigen::Vector2d pixel;
-      const Eigen::Vector2f ray = rays.at(x, y);
+      const Eigen::Vector2f& ray = rays.at(x, y);
       ASSERT_TRUE(camera.project({ray.x(), ray.y(), 1}, &pixel)) << x << " " << y;
       ASSERT_NEAR((pixel - Eigen::Vector2d(x, y)).norm(), 0, 1e-3);  // single precision
     }

@@ -63,7 +63,7 @@ class SimulatorTest : public testing::Test {
     Scenario s = Scenario::fromYamlFile(file);
     s.seed = seed;
     Simulator simulator(s);
-    const std::string out = (folder_ / name).string();
+    std::string out = (folder_ / name).string();
     SequenceWriter writer(out, s.camera, s.model_file, simulator.describe());
     writer.writeImu(simulateImu(s.path, s.imu, s.seed));
     for (size_t i = 0; i < std::min(images, simulator.imageCount()); ++i) {
