@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <future>
 #include <memory>
+#include <optional>
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
@@ -18,15 +19,16 @@ volatile std::sig_atomic_t interrupted = 0;
 
 struct SimulateOptions {
   std::string scenario, out;
-  std::string seed, rate;
+  std::optional<uint64_t> seed;
+  std::optional<double> rate;
   size_t images = 0;
   bool no_objects = false;
 };
 
 int run(const SimulateOptions& o) {
   Scenario scenario = Scenario::fromYamlFile(o.scenario);
-  if (!o.seed.empty()) scenario.seed = std::stoull(o.seed);
-  if (!o.rate.empty()) scenario.rate = std::stod(o.rate);
+  if (o.seed) scenario.seed = *o.seed;
+  if (o.rate) scenario.rate = *o.rate;
   if (o.no_objects) scenario.objects.clear();
   Simulator simulator(std::move(scenario));
   const Scenario& s = simulator.scenario();
@@ -68,7 +70,7 @@ void addSimulate(CLI::App* app, Action* action) {
   c->add_option("scenario", o->scenario, "YAML file: model, camera, path, objects, faults")
       ->required();
   c->add_option("out", o->out, "sequence directory to write")->required();
-  c->add_option("--seed", o->seed, "seed of all noise")->check(CLI::NonNegativeNumber);
+  c->add_option("--seed", o->seed, "seed of all noise");
   c->add_option("--rate", o->rate, "images per second")->check(CLI::Range(0.1, 1000.0));
   c->add_option("--images", o->images, "stop after so many");
   c->add_flag("--no-objects", o->no_objects, "leave the movable objects out");

@@ -140,6 +140,8 @@ Scenario Scenario::fromYamlFile(const std::string& file) {
   } else {
     throw InputError(file + ": neither 'path' nor 'trajectory' nor 'random' is given");
   }
+  if (objects.IsDefined() && !objects.IsNull() && !objects.IsSequence())
+    throw InputError(file + ": objects: must be a list");
   if (objects.IsDefined() && !objects.IsNull())
     for (const YAML::Node& node : objects) {
       MovableObject object;

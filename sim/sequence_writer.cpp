@@ -1,11 +1,14 @@
 #include "edge_mcl/sim/sequence_writer.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/mesh_model.h"
 #include "edge_mcl/core/text_table.h"
 
 namespace edge_mcl {
@@ -40,6 +43,28 @@ std::string cameraYaml(const CameraModel& c) {
   return out.str();
 }
 
+/// The faces by material; of whatever format the model came in.
+std::string objOf(const MeshModel& mesh) {
+  std::ostringstream out;
+  out.precision(9);  // gives every float back
+  for (const Eigen::Vector3f& v : mesh.vertices)
+    out << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+  std::vector<size_t> order(mesh.triangles.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return mesh.triangle_material[a] < mesh.triangle_material[b];
+  });
+  for (size_t k = 0; k < order.size(); ++k) {
+    const uint32_t material = mesh.triangle_material[order[k]];
+    if (k == 0 || material != mesh.triangle_material[order[k - 1]])
+      out << "usemtl material_" << material << '\n';
+    const auto& t = mesh.triangles[order[k]];
+    out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  }
+  for (const auto& line : mesh.lines) out << "l " << line[0] + 1 << ' ' << line[1] + 1 << '\n';
+  return out.str();
+}
+
 }  // namespace
 
 SequenceWriter::SequenceWriter(std::string directory, const CameraModel& camera,
@@ -53,8 +78,7 @@ SequenceWriter::SequenceWriter(std::string directory, const CameraModel& camera,
     fs::create_directories(root / sub, error);
     if (error) throw InputError((root / sub).string() + ": " + error.message());
   }
-  fs::copy_file(model_file, root / "model.obj", fs::copy_options::overwrite_existing, error);
-  if (error) throw InputError((root / "model.obj").string() + ": " + error.message());
+  writeText("model.obj", objOf(loadMesh(model_file, {})));
   writeText("camera.yaml", cameraYaml(camera));
   std::istringstream numbers(formatPose("", about.initial_pose));
   std::string list, word;

@@ -201,6 +201,15 @@ def simulator(c, source):
     check(r.returncode == INPUT and "unknown key 'speed'" in r.stderr and
           r.stderr.count('\n') == 1, 'a broken scenario is one line')
     check(c.run('simulate', office).returncode == USAGE, 'no directory to write to')
+    other = os.path.join(c.folder, 'other')
+    check(c.run('simulate', office, other, '--seed', '1e3').returncode == USAGE and
+          not os.path.exists(other), 'a seed is a whole number')
+    with open(office) as f:
+        text = f.read()
+    write(broken, text[:text.index('objects:')].replace('model: ', 'model: %s/maps/' % source)
+          .replace('camera: ', 'camera: %s/maps/' % source) + 'objects: {name: x}\n')
+    r = c.run('simulate', broken, other)
+    check(r.returncode == INPUT and 'objects: must be a list' in r.stderr, 'objects not in a list')
 
 
 def main():

@@ -111,6 +111,21 @@ TEST_F(SimulatorTest, WhatItWritesIsASequenceAndIsTracked) {
   EXPECT_LT(worst, 0.10);
 }
 
+/// Whatever the model's format, the recording's map is the same building with the same edges.
+TEST_F(SimulatorTest, TheMapOfARecordingIsTheModel) {
+  const Scenario s = Scenario::fromYamlFile(scenario());
+  for (const char* name : {"office.obj", "office.dae"}) {
+    const std::string out = (folder_ / name).string() + "_recorded";
+    const SequenceWriter writer(out, s.camera, kMaps + "/" + name, {});
+    MeshModel original = loadMesh(kMaps + "/" + name, {}), copy = loadMesh(out + "/model.obj", {});
+    EXPECT_EQ(original.triangles.size(), copy.triangles.size());
+    const EdgeModel a = buildEdgeModel(&original, {}), b = buildEdgeModel(&copy, {});
+    EXPECT_EQ(a.countOf(EdgeKind::kCrease), b.countOf(EdgeKind::kCrease));
+    EXPECT_EQ(a.countOf(EdgeKind::kMaterial), b.countOf(EdgeKind::kMaterial));
+    EXPECT_NEAR(a.feature_length, b.feature_length, 1e-3);
+  }
+}
+
 TEST_F(SimulatorTest, FaultsSpoilTheImageAlone) {
   Scenario clean = Scenario::fromYamlFile(scenario()), faulty = clean;
   clean.faults.noise = 0;
