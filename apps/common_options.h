@@ -38,6 +38,7 @@ void addLocalize(CLI::App* app, Action* action);
 void addInspect(CLI::App* app, Action* action);
 void addEvaluate(CLI::App* app, Action* action);
 void addBasin(CLI::App* app, Action* action);
+void addBag(CLI::App* app, Action* action);
 void addRawlog(CLI::App* app, Action* action);
 void addSimulate(CLI::App* app, Action* action);
 void addBench(CLI::App* app, Action* action);

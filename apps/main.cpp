@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   addInspect(&app, &action);
   addEvaluate(&app, &action);
   addBasin(&app, &action);
+  addBag(&app, &action);
   addRawlog(&app, &action);
   addSimulate(&app, &action);
   addBench(&app, &action);

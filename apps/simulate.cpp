@@ -1,4 +1,4 @@
-// edge-mcl simulate: a scenario in, a recorded sequence out.
+// edge-mcl simulate: a scenario in, a recorded sequence, bag or rawlog out.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -8,8 +8,10 @@
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/sim/sequence_writer.h"
 #include "edge_mcl/sim/simulator.h"
 #include "progress_bar.h"
+#include "recorder_choice.h"
 
 namespace edge_mcl {
 
@@ -25,6 +27,13 @@ struct SimulateOptions {
   bool no_objects = false;
 };
 
+std::unique_ptr<Recorder> recorderFor(const std::string& out, const Simulator& simulator) {
+  const RecordingSetup setup = simulator.setup();
+  if (auto recorder = recorderForFile(out, setup, {})) return recorder;
+  return std::make_unique<SequenceWriter>(out, setup, simulator.scenario().model_file,
+                                          simulator.notes());
+}
+
 int run(const SimulateOptions& o) {
   Scenario scenario = Scenario::fromYamlFile(o.scenario);
   if (o.seed) scenario.seed = *o.seed;
@@ -32,8 +41,8 @@ int run(const SimulateOptions& o) {
   if (o.no_objects) scenario.objects.clear();
   Simulator simulator(std::move(scenario));
   const Scenario& s = simulator.scenario();
-  SequenceWriter writer(o.out, s.camera, s.model_file, simulator.describe());
-  if (!s.path_is_of_camera) writer.writeImu(simulateImu(s.path, s.imu, s.seed * 3));
+  const std::unique_ptr<Recorder> recorder = recorderFor(o.out, simulator);
+  if (!s.path_is_of_camera) recorder->writeImu(simulateImu(s.path, s.imu, s.seed * 3));
   const size_t total =
       o.images > 0 ? std::min(o.images, simulator.imageCount()) : simulator.imageCount();
   const auto previous = std::signal(SIGINT, [](int) { interrupted = 1; });
@@ -46,18 +55,19 @@ int run(const SimulateOptions& o) {
     const bool arrived = simulator.next(frame.get());
     if (writing.valid()) writing.get();
     if (arrived)
-      writing = std::async(std::launch::async, [&writer, frame] { writer.write(*frame); });
+      writing = std::async(std::launch::async, [&recorder, frame] { recorder->write(*frame); });
     else
       ++dropped;
     bar.advance();
   }
   if (writing.valid()) writing.get();
   std::signal(SIGINT, previous);
+  recorder->close();
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf("%s: %zu images%s, %zu dropped on the way, %.1f images/s\n", o.out.c_str(),
-              writer.count(), interrupted ? " (interrupted)" : "", dropped,
-              static_cast<double>(writer.count()) / seconds);
+              recorder->count(), interrupted ? " (interrupted)" : "", dropped,
+              static_cast<double>(recorder->count()) / seconds);
   return kExitOk;
 }
 
@@ -69,7 +79,7 @@ void addSimulate(CLI::App* app, Action* action) {
       "simulate", "fly a camera through a model: colour, depth, masks, odometry, IMU, truth");
   c->add_option("scenario", o->scenario, "YAML file: model, camera, path, objects, faults")
       ->required();
-  c->add_option("out", o->out, "sequence directory to write")->required();
+  c->add_option("out", o->out, "sequence directory to write, or a file *.bag (ROS) or *.rawlog (MRPT)")->required();
   c->add_option("--seed", o->seed, "seed of all noise");
   c->add_option("--rate", o->rate, "images per second")->check(CLI::Range(0.1, 1000.0));
   c->add_option("--images", o->images, "stop after so many");

@@ -5,6 +5,8 @@ target_compile_options(edge_mcl_build_flags INTERFACE -Wall -Wextra -Wshadow -Wn
 if(EDGE_MCL_WERROR)
   target_compile_options(edge_mcl_build_flags INTERFACE -Werror)
 endif()
+# Functions of a shared library are not replaced from outside, so calls within it may be inlined.
+target_compile_options(edge_mcl_build_flags INTERFACE -fno-semantic-interposition)
 # One result whatever the optimiser does: no contraction of a*b+c behind the reader's back.
 target_compile_options(edge_mcl_build_flags INTERFACE -ffp-contract=off)
 if(EDGE_MCL_SANITIZE)

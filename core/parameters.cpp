@@ -5,71 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <sstream>
-#include <type_traits>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/parameter_text.h"
 
 namespace edge_mcl {
 
+using parameter_text::fromText;
+using parameter_text::toText;
+using parameter_text::typeName;
+
 namespace {
-
-std::string toText(double value) {
-  std::ostringstream out;
-  out.precision(12);
-  out << value;
-  return out.str();
-}
-std::string toText(int value) { return std::to_string(value); }
-std::string toText(uint64_t value) { return std::to_string(value); }
-std::string toText(bool value) { return value ? "true" : "false"; }
-std::string toText(BackendChoice value) {
-  return value == BackendChoice::kAuto ? "auto" : value == BackendChoice::kCpu ? "cpu" : "cuda";
-}
-std::string toText(LikelihoodModel value) {
-  return value == LikelihoodModel::kPaper ? "paper" : "robust";
-}
-
-template <class Number>
-bool parseNumber(const std::string& text, Number* value) {
-  std::istringstream in(text);
-  Number parsed{};
-  if (std::is_unsigned<Number>::value && text.find('-') != std::string::npos) return false;
-  if (!(in >> parsed)) return false;
-  in >> std::ws;
-  if (!in.eof()) return false;
-  *value = parsed;
-  return true;
-}
-bool fromText(const std::string& text, double* value) {
-  return parseNumber(text, value) && std::isfinite(*value);
-}
-bool fromText(const std::string& text, int* value) { return parseNumber(text, value); }
-bool fromText(const std::string& text, uint64_t* value) { return parseNumber(text, value); }
-bool fromText(const std::string& text, bool* value) {
-  if (text == "true" || text == "1" || text == "yes") return *value = true, true;
-  if (text == "false" || text == "0" || text == "no") return *value = false, true;
-  return false;
-}
-bool fromText(const std::string& text, BackendChoice* value) {
-  if (text == "auto") return *value = BackendChoice::kAuto, true;
-  if (text == "cpu") return *value = BackendChoice::kCpu, true;
-  if (text == "cuda") return *value = BackendChoice::kCuda, true;
-  return false;
-}
-
-bool fromText(const std::string& text, LikelihoodModel* value) {
-  if (text == "paper") return *value = LikelihoodModel::kPaper, true;
-  if (text == "robust") return *value = LikelihoodModel::kRobust, true;
-  return false;
-}
-
-const char* typeName(double) { return "a number"; }
-const char* typeName(int) { return "a whole number"; }
-const char* typeName(uint64_t) { return "a whole number"; }
-const char* typeName(bool) { return "true or false"; }
-const char* typeName(BackendChoice) { return "auto, cpu or cuda"; }
-const char* typeName(LikelihoodModel) { return "paper or robust"; }
 
 /// Calls f(group.name, reference, unit, text) for every parameter.
 template <class F>
@@ -276,6 +222,17 @@ void Parameters::validate() const {
   require(filter.tail_share >= 0 && filter.tail_share < 1, "filter.tail_share",
           "0 up to, not including, 1");
   require(filter.tail_scale >= 1 && filter.tail_scale <= 100, "filter.tail_scale", "1 to 100");
+  require(not_negative(tracking.update_min_d), "tracking.update_min_d", "zero or more");
+  require(not_negative(tracking.update_min_a_deg), "tracking.update_min_a_deg", "zero or more");
+  require(tracking.min_visible_samples >= 0, "tracking.min_visible_samples", "zero or more");
+  require(tracking.min_edge_pixels >= 0, "tracking.min_edge_pixels", "zero or more");
+  require(share(tracking.max_masked_share), "tracking.max_masked_share", "0 to 1");
+  require(share(tracking.min_match_ratio), "tracking.min_match_ratio", "0 to 1");
+  require(not_negative(tracking.lost_after), "tracking.lost_after", "zero or more");
+  require(positive(tracking.converged_std_position), "tracking.converged_std_position", "positive");
+  require(positive(tracking.converged_std_angle_deg), "tracking.converged_std_angle_deg",
+          "positive");
+  require(positive(tracking.max_gap), "tracking.max_gap", "positive");
   require(filter.max_passes >= 1 && filter.max_passes <= 100, "filter.max_passes", "1 to 100");
   if (!faults.empty()) throw ParameterError("parameters: " + faults);
 }

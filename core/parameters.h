@@ -215,6 +215,41 @@ struct FilterParameters {
   }
 };
 
+/// Live tracking: which images are used, and when a pose is to be trusted.
+struct TrackingParameters {
+  double update_min_d = 0;
+  double update_min_a_deg = 0;
+  int min_visible_samples = 60;
+  int min_edge_pixels = 100;
+  double max_masked_share = 0.8;
+  double min_match_ratio = 0.5;
+  double lost_after = 1.5;
+  double converged_std_position = 0.1;
+  double converged_std_angle_deg = 3;
+  double max_gap = 1;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("update_min_d", update_min_d, "m",
+      "images are used only after so much motion by odometry (or update_min_a_deg); 0 = always");
+    v("update_min_a_deg", update_min_a_deg, "deg", "likewise, rotation");
+    v("min_visible_samples", min_visible_samples, "",
+      "an image in which the expected pose sees fewer samples of the model is not used");
+    v("min_edge_pixels", min_edge_pixels, "",
+      "an image with fewer edge pixels (dark, covered) is not used");
+    v("max_masked_share", max_masked_share, "",
+      "an image with a larger share of its pixels masked is not used");
+    v("min_match_ratio", min_match_ratio, "",
+      "below this share of samples with an image edge in reach a pose is not trusted");
+    v("lost_after", lost_after, "s", "lost when no pose could be trusted for so long");
+    v("converged_std_position", converged_std_position, "m",
+      "tracking needs a standard deviation per axis below this");
+    v("converged_std_angle_deg", converged_std_angle_deg, "deg", "likewise, rotation");
+    v("max_gap", max_gap, "s",
+      "the constant-velocity model is not continued for longer than this without an image");
+  }
+};
+
 /// Everything.
 struct Parameters {
   MapParameters map;
@@ -223,6 +258,7 @@ struct Parameters {
   LikelihoodParameters likelihood;
   RefinementParameters refinement;
   FilterParameters filter;
+  TrackingParameters tracking;
 
   template <class Visitor>
   void visitGroups(Visitor&& v) {
@@ -232,6 +268,7 @@ struct Parameters {
     v("likelihood", likelihood);
     v("refinement", refinement);
     v("filter", filter);
+    v("tracking", tracking);
   }
 
   /// Lists every illegal value at once. @throws ParameterError

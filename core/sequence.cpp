@@ -52,6 +52,11 @@ void readDescription(const std::string& file, Sequence* sequence) {
     if (!root["initial_pose"]) throw InputError(file + ": key 'initial_pose' is missing");
     sequence->initial_pose =
         poseFromList(root["initial_pose"].as<std::vector<double>>(), file + ": initial_pose");
+    if (root["depth_scale"]) {
+      sequence->depth_scale = root["depth_scale"].as<double>();
+      if (!std::isfinite(sequence->depth_scale) || !(sequence->depth_scale > 0))
+        throw InputError(file + ": depth_scale must be positive");
+    }
     if (root["initial_std"]) {
       const auto s = root["initial_std"].as<std::vector<double>>();
       if (s.size() != 2 || !(s[0] >= 0) || !(s[1] >= 0) || !std::isfinite(s[0] + s[1]))
@@ -83,6 +88,10 @@ Sequence readSequence(const std::string& directory) {
   if (fs::exists(inside("mask.txt"), ignored)) masks = readFileList(inside("mask.txt"));
   std::stable_sort(masks.begin(), masks.end(),
                    [](const StampedFile& a, const StampedFile& b) { return a.time < b.time; });
+  if (fs::exists(inside("depth.txt"), ignored)) {
+    sequence.depths = readFileList(inside("depth.txt"));
+    for (StampedFile& depth : sequence.depths) depth.file = inside(depth.file);
+  }
   Trajectory odometry, truth;
   if (fs::exists(inside("odometry.txt"), ignored))
     odometry = readTrajectory(inside("odometry.txt"));

@@ -29,12 +29,14 @@ struct Sequence {
   Pose initial_pose = Pose::Identity();  ///< T_map_camera
   double initial_std_position = 0.1;     ///< m, per axis
   double initial_std_angle = 0.05;       ///< rad, per axis
+  double depth_scale = 5000;             ///< units of the depth images per metre
   std::vector<SequenceFrame> frames;
+  std::vector<StampedFile> depths;  ///< depth images, with times of their own
   bool has_odometry = false;
   std::vector<std::string> warnings;  ///< e.g. frames left out because their time goes back
 };
 
-/// Reads rgb.txt, camera.yaml, sequence.yaml and, where present, mask.txt, odometry.txt,
+/// Reads rgb.txt, camera.yaml, sequence.yaml and, where present, mask.txt, depth.txt, odometry.txt,
 /// groundtruth.txt. Images whose time does not increase are left out with a warning.
 /// @throws InputError naming file and fault.
 Sequence readSequence(const std::string& directory);

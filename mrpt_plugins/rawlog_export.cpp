@@ -1,19 +1,30 @@
 #include "edge_mcl/mrpt_plugins/rawlog_export.h"
 
+#include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
 #include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
 
+#include "edge_mcl/core/error.h"
 #include "edge_mcl/core/image_edges.h"
 #include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 
 namespace edge_mcl {
 
-mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const SequenceFrame& to,
-                                             const Pose& T_base_camera,
-                                             const FilterParameters& noise) {
+namespace {
+
+/// When, and where by odometry.
+struct Moment {
+  double time;
+  const std::optional<Pose>& odometry;
+};
+
+mrpt::obs::CActionCollection::Ptr actionBetween(const Moment& from, const Moment& to,
+                                                const Pose& T_base_camera,
+                                                const FilterParameters& noise) {
   const double dt = to.time - from.time;
   PoseGaussian change;
   double position = 0, angle = 0;
@@ -44,29 +55,75 @@ mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const Se
   return actions;
 }
 
-mrpt::obs::CSensoryFrame::Ptr makeSensoryFrame(const Sequence& sequence, const SequenceFrame& frame,
-                                               const Pose& T_base_camera, bool with_mask) {
+/// @param origin named in errors.
+mrpt::obs::CSensoryFrame::Ptr sensoryFrameOf(const RecordedFrame& frame, const CameraModel& camera,
+                                             const Pose& T_base_camera, const std::string& origin) {
   auto image = std::make_shared<CObservationMaskedImage>();
   image->timestamp = mrpt::Clock::fromDouble(frame.time);
   image->sensorLabel = "camera";
   image->cameraPose = toMrpt(T_base_camera);
-  image->cameraParams = toMrpt(sequence.camera);
-  image->image = mrpt::img::CImage(
-      toGrey(readImage(frame.image_file, sequence.camera), frame.image_file), mrpt::img::DEEP_COPY);
-  if (with_mask && !frame.mask_file.empty())
-    image->ignore_mask =
-        mrpt::img::CImage(readImage(frame.mask_file, sequence.camera, true), mrpt::img::DEEP_COPY);
+  image->cameraParams = toMrpt(camera);
+  image->image = mrpt::img::CImage(toGrey(frame.color, origin), mrpt::img::DEEP_COPY);
+  if (!frame.mask.empty())
+    image->ignore_mask = mrpt::img::CImage(frame.mask, mrpt::img::DEEP_COPY);
   auto sensory_frame = std::make_shared<mrpt::obs::CSensoryFrame>();
   sensory_frame->insert(image);
-  if (frame.ground_truth) {
+  if (frame.truth) {
     auto truth = std::make_shared<mrpt::obs::CObservationRobotPose>();
     truth->timestamp = image->timestamp;
     truth->sensorLabel = "ground_truth";
-    truth->pose.mean = toMrpt(*frame.ground_truth * T_base_camera.inverse());
+    truth->pose.mean = toMrpt(*frame.truth * T_base_camera.inverse());
     truth->pose.cov.setZero();
     sensory_frame->insert(truth);
   }
   return sensory_frame;
 }
+
+}  // namespace
+
+mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const SequenceFrame& to,
+                                             const Pose& T_base_camera,
+                                             const FilterParameters& noise) {
+  return actionBetween({from.time, from.odometry}, {to.time, to.odometry}, T_base_camera, noise);
+}
+
+mrpt::obs::CSensoryFrame::Ptr makeSensoryFrame(const Sequence& sequence, const SequenceFrame& frame,
+                                               const Pose& T_base_camera, bool with_mask) {
+  RecordedFrame loaded = loadFrame(sequence, frame);
+  if (!with_mask) loaded.mask.release();
+  return sensoryFrameOf(loaded, sequence.camera, T_base_camera, frame.image_file);
+}
+
+struct RawlogWriter::File {
+  mrpt::io::CFileGZOutputStream stream;
+};
+
+RawlogWriter::RawlogWriter(const std::string& file, const RecordingSetup& setup,
+                           const FilterParameters& noise)
+    : name_(file), setup_(setup), noise_(noise), file_(std::make_unique<File>()) {
+  if (!file_->stream.open(file)) throw InputError(file + ": cannot be written");
+}
+
+RawlogWriter::~RawlogWriter() = default;
+
+void RawlogWriter::write(const RecordedFrame& frame) {
+  const RecordedFrame& from = last_ ? *last_ : frame;
+  try {
+    auto archive = mrpt::serialization::archiveFrom(file_->stream);
+    // MRPT expects pairs: the motion that led here, then what was seen.
+    archive << *actionBetween({from.time, from.odometry}, {frame.time, frame.odometry},
+                              setup_.T_base_camera, noise_)
+            << *sensoryFrameOf(frame, setup_.camera, setup_.T_base_camera, name_);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError(name_ + ": cannot be written (disk full?); " + std::to_string(count_) +
+                     " images are complete");
+  }
+  last_ = RecordedFrame{frame.time, {}, {}, {}, frame.truth, frame.odometry};
+  ++count_;
+}
+
+void RawlogWriter::close() { file_->stream.close(); }
 
 }  // namespace edge_mcl

@@ -1,10 +1,13 @@
-/// A recorded sequence as an MRPT rawlog.
+/// Recordings as MRPT rawlogs.
 #pragma once
 
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <memory>
+
 #include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/recording.h"
 #include "edge_mcl/core/sequence.h"
 
 namespace edge_mcl {
@@ -19,5 +22,26 @@ mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const Se
 /// @throws InputError when the image or mask cannot be read.
 mrpt::obs::CSensoryFrame::Ptr makeSensoryFrame(const Sequence& sequence, const SequenceFrame& frame,
                                                const Pose& T_base_camera, bool with_mask);
+
+/// Pairs of action and sensory frame, in a compressed file. Has no place for depth and IMU.
+class RawlogWriter : public Recorder {
+ public:
+  /// @param noise of the actions.
+  RawlogWriter(const std::string& file, const RecordingSetup& setup, const FilterParameters& noise);
+  ~RawlogWriter() override;
+  void write(const RecordedFrame& frame) override;
+  void writeImu(const std::vector<ImuReading>&) override {}
+  void close() override;
+  size_t count() const override { return count_; }
+
+ private:
+  struct File;
+  std::string name_;
+  RecordingSetup setup_;
+  FilterParameters noise_;
+  std::unique_ptr<File> file_;
+  std::optional<RecordedFrame> last_;  // without pictures
+  size_t count_ = 0;
+};
 
 }  // namespace edge_mcl

@@ -68,14 +68,13 @@ CameraRays::CameraRays(const CameraModel& camera)
                      std::to_string(rays_.size()) + " pixels");
 }
 
-Eigen::Vector2f CameraRays::at(int x, int y, float dx, float dy) const {
+CameraRays::Slope CameraRays::slopeAt(int x, int y) const {
   const auto between = [&](int x0, int y0, int x1, int y1, int pixels) -> Eigen::Vector2f {
     return (at(x1, y1) - at(x0, y0)) / static_cast<float>(pixels);
   };
   const int left = std::max(x - 1, 0), right = std::min(x + 1, width_ - 1);
   const int top = std::max(y - 1, 0), bottom = std::min(y + 1, height_ - 1);
-  return at(x, y) + dx * between(left, y, right, y, right - left) +
-         dy * between(x, top, x, bottom, bottom - top);
+  return {between(left, y, right, y, right - left), between(x, top, x, bottom, bottom - top)};
 }
 
 }  // namespace edge_mcl

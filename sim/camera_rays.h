@@ -18,8 +18,11 @@ class CameraRays {
   int height() const { return height_; }
   /// NaN where the model shows nothing (outside the monotone part of the distortion).
   const Eigen::Vector2f& at(int x, int y) const { return rays_[index(x, y)]; }
-  /// At a position inside a pixel, to first order. @param dx, dy from its centre, pixels.
-  Eigen::Vector2f at(int x, int y, float dx, float dy) const;
+  /// How the ray changes per pixel to the right and per pixel down.
+  struct Slope {
+    Eigen::Vector2f by_x, by_y;
+  };
+  Slope slopeAt(int x, int y) const;
 
  private:
   size_t index(int x, int y) const { return static_cast<size_t>(y) * width_ + x; }

@@ -23,9 +23,9 @@ struct Surface {
 };
 
 /// Whether an outline runs between two neighbouring pixels.
-bool differ(const Scene& scene, const Surface& a, const Surface& b) {
+inline bool differ(const Scene& scene, const Surface& a, const Surface& b) {
   if ((a.depth > 0) != (b.depth > 0)) return true;
-  if (a.depth == 0 || (a.object == b.object && a.face == b.face)) return false;
+  if ((a.object == b.object && a.face == b.face) || a.depth == 0) return false;
   if (a.object != b.object || scene.color(a.object, a.face) != scene.color(b.object, b.face))
     return true;
   if (scene.ownNormal(a.object, a.face).dot(scene.ownNormal(b.object, b.face)) < 0.999f)
@@ -113,23 +113,32 @@ RenderedImage Renderer::render(const Pose& T_map_camera) const {
     }
   });
 
+  // Outlines between a pixel and its neighbours to the right and below: every pair is compared
+  // once.
+  constexpr uint8_t kRight = 1, kBelow = 2;
+  LargeBuffer<uint8_t> outline(static_cast<size_t>(width) * height);
   tbb::parallel_for(0, height, [&](int y) {
+    const Surface* row = &surface[static_cast<size_t>(y) * width];
+    uint8_t* out_row = &outline[static_cast<size_t>(y) * width];
     for (int x = 0; x < width; ++x) {
-      const Surface& here = surface[static_cast<size_t>(y) * width + x];
-      const auto differsFrom = [&](int nx, int ny) {
-        return nx >= 0 && ny >= 0 && nx < width && ny < height &&
-               differ(scene_, here, surface[static_cast<size_t>(ny) * width + nx]);
-      };
-      if (!differsFrom(x + 1, y) && !differsFrom(x - 1, y) && !differsFrom(x, y + 1) &&
-          !differsFrom(x, y - 1))
+      const bool right = x + 1 < width && differ(scene_, row[x], row[x + 1]);
+      const bool below = y + 1 < height && differ(scene_, row[x], row[x + width]);
+      out_row[x] = static_cast<uint8_t>((right ? kRight : 0) | (below ? kBelow : 0));
+    }
+  });
+
+  tbb::parallel_for(0, height, [&](int y) {
+    const uint8_t* here = &outline[static_cast<size_t>(y) * width];
+    for (int x = 0; x < width; ++x) {
+      if (!here[x] && !(x > 0 && here[x - 1] & kRight) && !(y > 0 && here[x - width] & kBelow))
         continue;
       Eigen::Vector3f directions[Scene::kPacket];
       SceneHit hits[Scene::kPacket];
       const auto offset = [](int k) { return (static_cast<float>(k) + 0.5f) / kTile - 0.5f; };
-      for (int i = 0; i < Scene::kPacket; ++i) {
-        const int column = i % kTile, row = i / kTile;
-        directions[i] = direction(rays_.at(x, y, offset(column), offset(row)));
-      }
+      const CameraRays::Slope slope = rays_.slopeAt(x, y);
+      for (int i = 0; i < Scene::kPacket; ++i)
+        directions[i] = direction(rays_.at(x, y) + offset(i % kTile) * slope.by_x +
+                                  offset(i / kTile) * slope.by_y);
       scene_.cast(eye, directions, Scene::kPacket, hits);
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       for (int i = 0; i < Scene::kPacket; ++i) sum += shade(eye, directions[i], hits[i]);

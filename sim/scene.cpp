@@ -55,8 +55,11 @@ struct Scene::Impl {
     MeshModel mesh;
     RTCScene scene = nullptr;
     RTCGeometry instance = nullptr;
-    Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();
-    std::vector<Eigen::Vector3f> normals;  // of the faces, own axes
+    std::vector<Eigen::Vector3f> own_normals;  // of the faces
+    struct Face {
+      Eigen::Vector3f normal, color;  // map axes
+    };
+    std::vector<Face> faces;  // as placed
   };
   RTCDevice device = nullptr;
   RTCScene top = nullptr;   // instances only, so that moving one costs little
@@ -78,9 +81,11 @@ struct Scene::Impl {
     part.mesh = std::move(mesh);
     for (const auto& t : part.mesh.triangles) {
       const auto corner = [&](int k) { return part.mesh.vertices[t[k]].cast<double>().eval(); };
-      part.normals.push_back(
+      part.own_normals.push_back(
           (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized().cast<float>());
     }
+    for (const uint32_t material : part.mesh.triangle_material)
+      part.faces.push_back({Eigen::Vector3f::Zero(), part.mesh.material_colors[material]});
     part.scene = rtcNewScene(device);
     rtcSetSceneFlags(part.scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(part.scene, RTC_BUILD_QUALITY_HIGH);
@@ -96,7 +101,9 @@ struct Scene::Impl {
 
   void place(size_t number, const Pose& pose) {
     Part& part = parts.at(number);
-    part.rotation = pose.linear().cast<float>();
+    const Eigen::Matrix3f rotation = pose.linear().cast<float>();
+    for (size_t i = 0; i < part.faces.size(); ++i)
+      part.faces[i].normal = rotation * part.own_normals[i];
     const Eigen::Matrix<float, 3, 4, Eigen::ColMajor> transform =
         pose.matrix().topRows<3>().cast<float>();
     rtcSetGeometryTransform(part.instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform.data());
@@ -161,10 +168,10 @@ void Scene::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f* direction
     hit.distance = rays.ray.tfar[i];
     hit.object = rays.hit.instID[0][i];
     hit.face = rays.hit.primID[i];
-    const Impl::Part& part = impl_->parts[hit.object];
-    hit.normal = part.rotation * part.normals[hit.face];
+    const Impl::Part::Face& face = impl_->parts[hit.object].faces[hit.face];
+    hit.normal = face.normal;
     if (hit.normal.dot(directions[i]) > 0) hit.normal = -hit.normal;
-    hit.color = color(hit.object, hit.face);
+    hit.color = face.color;
   }
 }
 
@@ -201,12 +208,11 @@ double Scene::clearance(const Eigen::Vector3d& point, double farthest) const {
 }
 
 const Eigen::Vector3f& Scene::ownNormal(uint32_t object, uint32_t face) const {
-  return impl_->parts[object].normals[face];
+  return impl_->parts[object].own_normals[face];
 }
 
 const Eigen::Vector3f& Scene::color(uint32_t object, uint32_t face) const {
-  const MeshModel& mesh = impl_->parts[object].mesh;
-  return mesh.material_colors[mesh.triangle_material[face]];
+  return impl_->parts[object].faces[face].color;
 }
 
 const MeshModel& Scene::building() const { return impl_->parts.front().mesh; }

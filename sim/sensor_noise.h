@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "edge_mcl/core/text_table.h"
+#include "edge_mcl/core/recording.h"
 #include "edge_mcl/mrpt_plugins/random_source.h"
 #include "edge_mcl/sim/flight_path.h"
 
@@ -40,12 +40,6 @@ struct ImuNoise {
   double gyroscope = 1.7e-4;         ///< rad/s per sqrt(Hz)
   double accelerometer_walk = 3e-3;  ///< m/s^3 per sqrt(Hz): bias
   double gyroscope_walk = 2e-5;      ///< rad/s^2 per sqrt(Hz): bias
-};
-
-struct ImuReading {
-  double time = 0;
-  Eigen::Vector3d angular_velocity;  ///< body axes, rad/s
-  Eigen::Vector3d specific_force;    ///< body axes, m/s^2: at rest +g along the body's up axis
 };
 
 /// Readings from the begin to the end of a path.

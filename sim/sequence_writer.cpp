@@ -67,8 +67,8 @@ std::string objOf(const MeshModel& mesh) {
 
 }  // namespace
 
-SequenceWriter::SequenceWriter(std::string directory, const CameraModel& camera,
-                               const std::string& model_file, const SequenceDescription& about)
+SequenceWriter::SequenceWriter(std::string directory, const RecordingSetup& setup,
+                               const std::string& model_file, const std::vector<std::string>& notes)
     : directory_(std::move(directory)) {
   std::error_code error;
   const fs::path root(directory_);
@@ -79,17 +79,17 @@ SequenceWriter::SequenceWriter(std::string directory, const CameraModel& camera,
     if (error) throw InputError((root / sub).string() + ": " + error.message());
   }
   writeText("model.obj", objOf(loadMesh(model_file, {})));
-  writeText("camera.yaml", cameraYaml(camera));
-  std::istringstream numbers(formatPose("", about.initial_pose));
+  writeText("camera.yaml", cameraYaml(setup.camera));
+  std::istringstream numbers(formatPose("", setup.initial_pose));
   std::string list, word;
   while (numbers >> word) list += (list.empty() ? "" : ", ") + word;
   std::ostringstream description;
   description << "name: " << fs::absolute(root).lexically_normal().filename().string()
               << "\nsource: edge-mcl simulate\nlicence: that of the model\nreal: false\nup_axis: z"
-              << "\ndepth_scale: " << about.depth_scale << "\ninitial_pose: [" << list
-              << "]\ninitial_std: [" << about.initial_std_position << ", "
-              << about.initial_std_angle << "]\nnotes:\n";
-  for (const std::string& note : about.notes) description << "  - '" << note << "'\n";
+              << "\ndepth_scale: " << setup.depth_scale << "\ninitial_pose: [" << list
+              << "]\ninitial_std: [" << setup.initial_std_position << ", "
+              << setup.initial_std_angle << "]\nnotes:\n";
+  for (const std::string& note : notes) description << "  - '" << note << "'\n";
   writeText("sequence.yaml", description.str());
   const auto open = [&](std::ofstream* stream, const char* name, const char* header) {
     stream->open(root / name, std::ios::trunc);
@@ -121,9 +121,9 @@ void SequenceWriter::writeText(const std::string& name, const std::string& text)
 
 void SequenceWriter::writeImage(const std::string& name, const cv::Mat& image) {
   std::vector<uint8_t> bytes;
+  // Without a level OpenCV takes libpng's fastest and one row filter instead of trying all.
   cv::imencode(".png", image, bytes,
-               {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY,
-                cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY});
+               {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY});
   writeFile(name, bytes);
 }
 
@@ -144,8 +144,8 @@ void SequenceWriter::write(const RecordedFrame& frame) {
   writeImage(depth, frame.depth);
   writeImage(mask, frame.mask);
   writeImage(rgb, frame.color);
-  append(&truth_, "groundtruth.txt", formatPose(time, frame.truth));
-  append(&odometry_, "odometry.txt", formatPose(time, frame.odometry));
+  if (frame.truth) append(&truth_, "groundtruth.txt", formatPose(time, *frame.truth));
+  if (frame.odometry) append(&odometry_, "odometry.txt", formatPose(time, *frame.odometry));
   append(&depth_, "depth.txt", time + " " + depth);
   append(&mask_, "mask.txt", time + " " + mask);
   // Last: what rgb.txt lists is there in full.

@@ -51,59 +51,78 @@ void Simulator::checkPath() const {
   }
 }
 
-SequenceDescription Simulator::describe() const {
+RecordingSetup Simulator::setup() const {
   const Scenario& s = scenario_;
-  SequenceDescription about;
-  about.depth_scale = s.depth_scale;
+  RecordingSetup setup;
+  setup.camera = s.camera;
+  setup.T_base_camera = s.T_body_camera();
+  setup.depth_scale = s.depth_scale;
   RandomSource random(s.seed * 3 + 4);
   Twist scale;
-  scale.head<3>().setConstant(about.initial_std_position);
-  scale.tail<3>().setConstant(about.initial_std_angle);
-  about.initial_pose =
+  scale.head<3>().setConstant(setup.initial_std_position);
+  scale.tail<3>().setConstant(setup.initial_std_angle);
+  setup.initial_pose =
       normalized(s.cameraAt(timeOf(0)) * expSe3(scale.cwiseProduct(random.normalTwist())));
+  return setup;
+}
+
+std::vector<std::string> Simulator::notes() const {
+  const Scenario& s = scenario_;
+  std::vector<std::string> notes;
   char text[400];
   std::snprintf(text, sizeof text,
                 "odometry: noise per step and axis %g m and %g deg times sqrt(dt / 0.1 s), plus %g "
                 "m/m and %g rad/rad",
                 s.odometry.position, s.odometry.angle_deg, s.odometry.per_metre,
                 s.odometry.per_radian);
-  about.notes.emplace_back(text);
+  notes.emplace_back(text);
   std::snprintf(text, sizeof text,
                 "camera: noise %g grey levels, exposure swing %g over %g s, exposure %g s, dropped "
                 "%g; depth and masks are exact",
                 s.faults.noise, s.faults.exposure_swing, s.faults.exposure_period,
                 s.faults.exposure_time, s.faults.dropped);
-  about.notes.emplace_back(text);
+  notes.emplace_back(text);
   std::snprintf(text, sizeof text, "%zu movable objects, seed %llu", s.objects.size(),
                 static_cast<unsigned long long>(s.seed));
-  about.notes.emplace_back(text);
-  return about;
+  notes.emplace_back(text);
+  return notes;
 }
 
-RenderedImage Simulator::renderAt(double time) {
+RenderedImage Simulator::renderAt(double time, const Pose& T_map_camera) {
   for (size_t k = 0; k < scenario_.objects.size(); ++k)
     scene_->place(k, scenario_.objects[k].path.at(time));
   scene_->commit();
-  return renderer_->render(scenario_.cameraAt(time));
+  return renderer_->render(T_map_camera);
 }
 
 bool Simulator::next(RecordedFrame* frame) {
   if (next_ >= image_count_) throw Error("simulator: the flight is over");
-  const size_t number = next_++;
-  const double time = timeOf(number);
+  const double time = timeOf(next_++);
+  const auto cameraAt = [this](double t) { return scenario_.cameraAt(t); };
+  return take(time, cameraAt, frame);
+}
+
+bool Simulator::take(double time, const Pose& T_map_camera, RecordedFrame* frame) {
+  return take(time, [&](double) { return T_map_camera; }, frame);
+}
+
+bool Simulator::take(double time, const std::function<Pose(double)>& cameraAt,
+                     RecordedFrame* frame) {
+  const size_t number = taken_++;
   frame->time = time;
-  frame->truth = scenario_.cameraAt(time);
-  frame->odometry = odometry_.next(time, frame->truth);
+  frame->truth = cameraAt(time);
+  frame->odometry = odometry_.next(time, *frame->truth);
   if (random_.uniform() < scenario_.faults.dropped) return false;
   const CameraFaults& faults = scenario_.faults;
-  RenderedImage image = renderAt(time);
+  RenderedImage image = renderAt(time, *frame->truth);
   if (faults.exposure_time > 0 && faults.blur_steps > 1) {
     // The stamp is the middle of the exposure; depth and mask are of that moment.
     cv::Mat sum = cv::Mat::zeros(image.color.size(), CV_32FC3);
     for (int k = 0; k < faults.blur_steps; ++k) {
       const double offset = (k + 0.5) / faults.blur_steps - 0.5;
       cv::Mat part;
-      renderAt(time + offset * faults.exposure_time).color.convertTo(part, CV_32FC3);
+      const double moment = time + offset * faults.exposure_time;
+      renderAt(moment, cameraAt(moment)).color.convertTo(part, CV_32FC3);
       sum += part;
     }
     sum.convertTo(image.color, CV_8UC3, 1.0 / faults.blur_steps);

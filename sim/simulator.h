@@ -1,8 +1,13 @@
 /// Flies a scenario: images, truth and sensor readings, moment by moment.
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "edge_mcl/core/recording.h"
 #include "edge_mcl/sim/scenario.h"
-#include "edge_mcl/sim/sequence_writer.h"
 
 namespace edge_mcl {
 
@@ -17,21 +22,29 @@ class Simulator {
   /// time and poses are set.
   bool next(RecordedFrame* frame);
 
-  /// Initial pose drawn around the truth with its standard deviations; notes on the noise.
-  SequenceDescription describe() const;
+  /// Takes the image that a camera sees from a pose at a time, with the objects where they are
+  /// then; for flights that no path describes. @return as next(), which it does not disturb
+  /// otherwise than by the noise drawn. Times must increase.
+  bool take(double time, const Pose& T_map_camera, RecordedFrame* frame);
+
+  /// With an initial pose drawn around the truth with its standard deviations.
+  RecordingSetup setup() const;
+  /// What noise, faults and objects there are, one line each.
+  std::vector<std::string> notes() const;
 
   const Scenario& scenario() const { return scenario_; }
   double timeOf(size_t image) const;
 
  private:
   void checkPath() const;
-  RenderedImage renderAt(double time);
+  bool take(double time, const std::function<Pose(double)>& cameraAt, RecordedFrame* frame);
+  RenderedImage renderAt(double time, const Pose& T_map_camera);
   Scenario scenario_;
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<Renderer> renderer_;
   OdometrySimulator odometry_;
   RandomSource random_;
-  size_t image_count_ = 0, next_ = 0;
+  size_t image_count_ = 0, next_ = 0, taken_ = 0;
 };
 
 }  // namespace edge_mcl

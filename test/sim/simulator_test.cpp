@@ -12,6 +12,7 @@
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/sequence.h"
 #include "edge_mcl/mrpt_plugins/sequence_localizer.h"
+#include "edge_mcl/sim/sequence_writer.h"
 
 namespace edge_mcl {
 namespace {
@@ -64,7 +65,7 @@ class SimulatorTest : public testing::Test {
     s.seed = seed;
     Simulator simulator(s);
     std::string out = (folder_ / name).string();
-    SequenceWriter writer(out, s.camera, s.model_file, simulator.describe());
+    SequenceWriter writer(out, simulator.setup(), s.model_file, simulator.notes());
     writer.writeImu(simulateImu(s.path, s.imu, s.seed));
     for (size_t i = 0; i < std::min(images, simulator.imageCount()); ++i) {
       RecordedFrame frame;
@@ -116,7 +117,7 @@ TEST_F(SimulatorTest, TheMapOfARecordingIsTheModel) {
   const Scenario s = Scenario::fromYamlFile(scenario());
   for (const char* name : {"office.obj", "office.dae"}) {
     const std::string out = (folder_ / name).string() + "_recorded";
-    const SequenceWriter writer(out, s.camera, kMaps + "/" + name, {});
+    const SequenceWriter writer(out, Simulator(s).setup(), kMaps + "/" + name, {});
     MeshModel original = loadMesh(kMaps + "/" + name, {}), copy = loadMesh(out + "/model.obj", {});
     EXPECT_EQ(original.triangles.size(), copy.triangles.size());
     const EdgeModel a = buildEdgeModel(&original, {}), b = buildEdgeModel(&copy, {});
@@ -213,7 +214,7 @@ TEST_F(SimulatorTest, AFullDiskEndsTheRecordingWhichStaysReadable) {
   s.faults.noise = 0;
   Simulator simulator(s);
   const std::string out = (folder_ / "full").string();
-  SequenceWriter writer(out, s.camera, s.model_file, simulator.describe());
+  SequenceWriter writer(out, simulator.setup(), s.model_file, simulator.notes());
   RecordedFrame frame;
   simulator.next(&frame);
   writer.write(frame);
@@ -238,7 +239,7 @@ TEST_F(SimulatorTest, AFullDiskEndsTheRecordingWhichStaysReadable) {
   const Sequence sequence = readSequence(out);
   ASSERT_EQ(sequence.frames.size(), 2u);
   for (const SequenceFrame& f : sequence.frames) EXPECT_NO_THROW(readImage(f.image_file, s.camera));
-  EXPECT_THROW(SequenceWriter(out, s.camera, s.model_file, {}), InputError);
+  EXPECT_THROW(SequenceWriter(out, simulator.setup(), s.model_file, {}), InputError);
 }
 
 TEST_F(SimulatorTest, RandomFlightsAreClearAndGoByTheirSeed) {

@@ -1,0 +1,91 @@
+// edge-mcl bag, edge-mcl rawlog: a sequence directory as a ROS bag or an MRPT rawlog.
+#include <cstdio>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+
+#include "common_options.h"
+#include "edge_mcl/core/error.h"
+#include "progress_bar.h"
+#include "recorder_choice.h"
+
+namespace edge_mcl {
+
+namespace {
+
+struct ConvertOptions {
+  std::string ending;  // that the file must have
+  std::string sequence, out, base = "body";
+  bool no_mask = false;
+  ParameterOptions parameters;
+};
+
+/// The depth image nearest to a frame's time, within half the time to the next frame.
+cv::Mat depthAt(const Sequence& sequence, double time) {
+  constexpr double kSameTime = 0.02;  // seconds; a depth camera of its own clock
+  const StampedFile* nearest = nullptr;
+  for (const StampedFile& d : sequence.depths)
+    if (!nearest || std::abs(d.time - time) < std::abs(nearest->time - time)) nearest = &d;
+  if (!nearest || std::abs(nearest->time - time) > kSameTime) return {};
+  const cv::Mat depth = cv::imread(nearest->file, cv::IMREAD_UNCHANGED);
+  if (depth.empty() || depth.type() != CV_16UC1)
+    throw InputError(nearest->file + ": missing or not a 16-bit depth image");
+  return depth;
+}
+
+int run(const ConvertOptions& o) {
+  const Parameters params = o.parameters.load();
+  if (o.base != "body" && o.base != "optical")
+    throw ParameterError("--base " + o.base + ": body or optical expected");
+  const Pose T_base_camera = o.base == "body" ? opticalOnBody() : Pose(Pose::Identity());
+  const Sequence sequence = readSequence(o.sequence);
+  for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
+  const std::unique_ptr<Recorder> recorder =
+      recorderForFile(o.out, setupOf(sequence, T_base_camera), params.filter);
+  if (!recorder) throw InputError(o.out + ": the name must end in " + o.ending);
+  ProgressBar bar("convert", sequence.frames.size());
+  for (const SequenceFrame& frame : sequence.frames) {
+    bar.advance();
+    RecordedFrame loaded;
+    try {
+      loaded = loadFrame(sequence, frame);
+      if (o.no_mask) loaded.mask.release();
+      if (!sequence.depths.empty()) loaded.depth = depthAt(sequence, frame.time);
+    } catch (const InputError& e) {
+      bar.note(std::string("warning: ") + e.what() + ", left out");
+      continue;
+    }
+    recorder->write(loaded);
+  }
+  recorder->close();
+  std::printf("%s: %zu images of %s, base frame: %s\n", o.out.c_str(), recorder->count(),
+              sequence.name.c_str(), o.base.c_str());
+  return recorder->count() == sequence.frames.size() ? kExitOk : kExitIncomplete;
+}
+
+void add(CLI::App* app, Action* action, const char* name, const char* ending,
+         const char* description) {
+  auto o = std::make_shared<ConvertOptions>();
+  o->ending = ending;
+  CLI::App* c = app->add_subcommand(name, description);
+  c->add_option("sequence", o->sequence, "sequence directory")->required();
+  c->add_option("out", o->out, std::string("file to write, *") + ending)->required();
+  c->add_option("--base", o->base,
+                "robot frame: body (x forward, z up; the camera looks along x) or optical");
+  c->add_flag("--no-mask", o->no_mask, "leave the masks out");
+  o->parameters.addTo(c);
+  c->callback([o, action] { *action = [o] { return run(*o); }; });
+}
+
+}  // namespace
+
+void addBag(CLI::App* app, Action* action) {
+  add(app, action, "bag", ".bag",
+      "write a sequence as a ROS bag: image, camera_info, depth, mask, tf, odometry, truth");
+}
+
+void addRawlog(CLI::App* app, Action* action) {
+  add(app, action, "rawlog", ".rawlog",
+      "write a sequence as an MRPT rawlog: actions, images with masks, ground truth");
+}
+
+}  // namespace edge_mcl

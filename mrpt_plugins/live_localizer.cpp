@@ -1,0 +1,171 @@
+#include "edge_mcl/mrpt_plugins/live_localizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "edge_mcl/core/error.h"
+
+namespace edge_mcl {
+
+const char* nameOf(LocalizerState state) {
+  switch (state) {
+    case LocalizerState::kUninitialized: return "uninitialized";
+    case LocalizerState::kConverging: return "converging";
+    case LocalizerState::kTracking: return "tracking";
+    case LocalizerState::kDegraded: return "degraded";
+    case LocalizerState::kLost: return "lost";
+  }
+  return "?";
+}
+
+LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map)
+    : map_(std::move(map)), filter_(map_->params().filter, map_->params().refinement) {}
+
+void LiveLocalizer::setPose(const PoseGaussian& pose) {
+  filter_.initialize(pose);
+  initial_ = pose;
+  state_ = LocalizerState::kConverging;
+  odometry_of_update_.reset();
+  trusted_at_.reset();
+}
+
+void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
+  filter_.setParticles(std::move(poses), std::move(log_weights));
+  initial_ = filter_.estimate();
+  state_ = LocalizerState::kConverging;
+  odometry_of_update_.reset();
+  trusted_at_.reset();
+}
+
+bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
+  constexpr double kJump = 1;  // s; images that are late by less are out of order
+  if (last_time_ && input.time <= *last_time_) {
+    if (input.time > *last_time_ - kJump) {
+      result->late = true;
+      result->problem = "the image is older than the one before, not used";
+      return false;
+    }
+    // A recording that is played again, or a simulation that begins anew.
+    setPose(PoseGaussian(*initial_));
+    last_time_.reset();
+    last_odometry_.reset();
+    result->restarted = true;
+    result->problem = "the clock jumped back; began again at the initial pose";
+  }
+  const double dt = last_time_ ? input.time - *last_time_ : 0;
+  const bool has_increment = input.odometry && last_odometry_ && last_time_;
+  if (has_increment)
+    filter_.predictWithOdometry(normalized(last_odometry_->inverse() * *input.odometry), dt);
+  else if (last_time_)
+    filter_.predictWithoutOdometry(std::min(dt, map_->params().tracking.max_gap));
+  last_time_ = input.time;
+  last_odometry_ = input.odometry;
+  return true;
+}
+
+bool LiveLocalizer::hasMoved(const LiveInput& input) const {
+  const TrackingParameters& p = map_->params().tracking;
+  if (p.update_min_d <= 0 && p.update_min_a_deg <= 0) return true;
+  if (input.force_update || !input.odometry || !odometry_of_update_) return true;
+  const Pose motion = odometry_of_update_->inverse() * *input.odometry;
+  const double angle_deg = logSo3(motion.linear()).norm() * 180 / M_PI;
+  return (p.update_min_d > 0 && motion.translation().norm() >= p.update_min_d) ||
+         (p.update_min_a_deg > 0 && angle_deg >= p.update_min_a_deg);
+}
+
+std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result) {
+  const TrackingParameters& p = map_->params().tracking;
+  std::vector<CameraView> views;
+  std::string problem;
+  for (const LiveInput::View& view : input.views) {
+    if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
+      const double share = static_cast<double>(cv::countNonZero(view.mask)) /
+                           static_cast<double>(view.mask.total());
+      result->masked_share = std::max(result->masked_share, share);
+      if (share > p.max_masked_share) {
+        problem = view.origin + ": the mask leaves too little of the image";
+        continue;
+      }
+    }
+    std::shared_ptr<const PreparedImage> image;
+    try {
+      image = map_->prepare(view.camera, view.image, view.mask, view.origin);
+    } catch (const Error& e) {
+      problem = e.what();
+      continue;
+    }
+    result->image_times.edges += image->times.edges;
+    result->image_times.field += image->times.field;
+    result->image_times.table += image->times.table;
+    if (image->pixels.list().size() < static_cast<size_t>(p.min_edge_pixels)) {
+      problem = view.origin + ": hardly any edges in the image (dark or covered?)";
+      continue;
+    }
+    result->images.push_back(image);
+    views.push_back({image, view.T_base_camera});
+  }
+  if (views.empty()) return problem.empty() ? "no image" : problem;
+  // While it converges, the mean may see less than some of the particles do.
+  if (state_ != LocalizerState::kConverging &&
+      map_->evaluate(views, {filter_.estimate().mean}).front().sample_weight <
+          p.min_visible_samples)
+    return "too little of the model in view at the expected pose";
+  result->report = filter_.update(*map_, views);
+  result->updated = true;
+  const UpdateReport& r = result->report;
+  if (!r.has_information) return "nothing of the model in view";
+  result->match_ratio =
+      r.used_samples > 0 ? static_cast<double>(r.matched_samples) / r.used_samples : 0;
+  return problem;
+}
+
+void LiveLocalizer::judge(double time, bool trusted, bool used) {
+  const TrackingParameters& p = map_->params().tracking;
+  if (!trusted_at_ || trusted) trusted_at_ = time;
+  if (trusted) {
+    const Twist variance = filter_.estimate().covariance.diagonal();
+    const double degree = M_PI / 180;
+    const bool narrow = std::sqrt(variance.head<3>().maxCoeff()) < p.converged_std_position &&
+                        std::sqrt(variance.tail<3>().maxCoeff()) <
+                            p.converged_std_angle_deg * degree;
+    state_ = narrow ? LocalizerState::kTracking : LocalizerState::kConverging;
+  } else if (time - *trusted_at_ >= p.lost_after) {
+    state_ = LocalizerState::kLost;
+  } else if (state_ == LocalizerState::kTracking || (!used && state_ != LocalizerState::kLost)) {
+    state_ = LocalizerState::kDegraded;
+  }
+}
+
+LiveResult LiveLocalizer::process(const LiveInput& input) {
+  LiveResult result;
+  if (!isInitialized()) {
+    result.problem = "no initial pose yet";
+    last_time_ = input.time;
+    last_odometry_ = input.odometry;
+    return result;
+  }
+  try {
+    if (advanceTo(input, &result)) {
+      if (hasMoved(input)) {
+        const std::string problem = useImages(input, &result);
+        if (!problem.empty()) result.problem = problem;
+        if (result.updated) odometry_of_update_ = input.odometry;
+        const bool trusted = result.updated && result.report.has_information &&
+                             result.match_ratio >= map_->params().tracking.min_match_ratio;
+        judge(input.time, trusted, result.updated);
+        if (result.updated && !trusted && result.problem.empty())
+          result.problem = "the image does not confirm the pose";
+      } else if (trusted_at_) {
+        trusted_at_ = input.time;  // at rest there is nothing to lose
+      }
+    }
+  } catch (const Error& e) {
+    result.problem = e.what();
+  }
+  result.state = state_;
+  result.estimate = filter_.estimate();
+  return result;
+}
+
+}  // namespace edge_mcl

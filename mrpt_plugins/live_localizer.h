@@ -1,0 +1,85 @@
+/// Follows a robot from images as they come, and says how far its pose is to be trusted.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/mrpt_plugins/pose_filter.h"
+
+namespace edge_mcl {
+
+enum class LocalizerState { kUninitialized, kConverging, kTracking, kDegraded, kLost };
+
+/// "tracking" etc.
+const char* nameOf(LocalizerState state);
+
+/// What arrived for one moment.
+struct LiveInput {
+  struct View {
+    CameraModel camera;
+    cv::Mat image;
+    cv::Mat mask;  ///< empty: none
+    Pose T_base_camera = Pose::Identity();
+    std::string origin;  ///< named in errors
+  };
+  double time = 0;  ///< seconds
+  std::vector<View> views;
+  std::optional<Pose> odometry;  ///< T_odom_base at that time
+  bool force_update = false;     ///< use the images even without motion
+};
+
+/// What was made of it.
+struct LiveResult {
+  LocalizerState state = LocalizerState::kUninitialized;
+  std::string problem;    ///< one line; empty: none
+  bool updated = false;   ///< the images were used
+  bool late = false;      ///< older than what was seen before; nothing was done
+  bool restarted = false; ///< the clock jumped back: began again at the initial pose
+  PoseGaussian estimate;  ///< T_map_base at the input's time
+  UpdateReport report;
+  StageTimes image_times;
+  double masked_share = 0;  ///< largest of the views
+  double match_ratio = 0;
+  std::vector<std::shared_ptr<const PreparedImage>> images;  ///< empty where not prepared
+};
+
+class LiveLocalizer {
+ public:
+  explicit LiveLocalizer(std::shared_ptr<const LocalizationMap> map);
+
+  /// Begins here, T_map_base. @throws InputError when it is not finite.
+  void setPose(const PoseGaussian& pose);
+  /// Takes over particles, e.g. stored ones. @throws InputError
+  void setParticles(std::vector<Pose> poses, std::vector<double> log_weights);
+  /// Goes on in another map.
+  void setMap(std::shared_ptr<const LocalizationMap> map) { map_ = std::move(map); }
+
+  bool isInitialized() const { return initial_.has_value(); }
+  const LocalizationMap& map() const { return *map_; }
+  const PoseFilter& filter() const { return filter_; }
+  LocalizerState state() const { return state_; }
+
+  /// Predicts to the input's time and uses its images where they are fit for it. Bad input is
+  /// reported in the result, not thrown.
+  LiveResult process(const LiveInput& input);
+
+ private:
+  bool advanceTo(const LiveInput& input, LiveResult* result);
+  bool hasMoved(const LiveInput& input) const;
+  std::string useImages(const LiveInput& input, LiveResult* result);
+  void judge(double time, bool trusted, bool used);
+
+  std::shared_ptr<const LocalizationMap> map_;
+  PoseFilter filter_;
+  std::optional<PoseGaussian> initial_;
+  LocalizerState state_ = LocalizerState::kUninitialized;
+  std::optional<double> last_time_;
+  std::optional<Pose> last_odometry_;
+  std::optional<Pose> odometry_of_update_;  // where the images were last used
+  std::optional<double> trusted_at_;        // last time, or when it began
+};
+
+}  // namespace edge_mcl

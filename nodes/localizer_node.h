@@ -1,0 +1,106 @@
+/// The localizer behind ROS topics, tf and services; used by the node and by the nodelet.
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <edge_mcl/SetPose.h>
+#include <edge_mcl/UseFile.h>
+#include <image_transport/image_transport.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <std_srvs/Empty.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "edge_mcl/mrpt_plugins/live_localizer.h"
+#include "edge_mcl/nodes/mask_matcher.h"
+#include "edge_mcl/nodes/result_publisher.h"
+
+namespace edge_mcl {
+
+class LocalizerNode {
+ public:
+  /// Reads parameters and model, subscribes, and starts to work on images in a thread of its own.
+  /// @throws ParameterError, InputError
+  LocalizerNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
+  ~LocalizerNode();
+  LocalizerNode(const LocalizerNode&) = delete;
+  LocalizerNode& operator=(const LocalizerNode&) = delete;
+
+ private:
+  /// One camera and what came from it.
+  struct Camera {
+    std::string name, origin;
+    image_transport::Subscriber image_subscriber, mask_subscriber;
+    ros::Subscriber info_subscriber;
+    sensor_msgs::CameraInfoConstPtr info;
+    MaskMatcher matcher;
+    std::optional<MaskMatcher::Match> match;  // newest complete one
+    // Of the mask that was used last, for mask_policy use_last.
+    cv::Mat last_mask;
+    ros::Time last_mask_at;
+    std::optional<Eigen::Matrix3d> last_mask_rotation;  // R_odom_camera
+  };
+  struct Moment;
+
+  void subscribe();
+  void receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image);
+  void receiveOdometry(const nav_msgs::OdometryConstPtr& odometry);
+  void receiveInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message);
+  std::string setPose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  bool reloadModel(UseFile::Request& request, UseFile::Response& response);
+  bool saveParticles(UseFile::Request& request, UseFile::Response& response);
+  bool loadParticles(UseFile::Request& request, UseFile::Response& response);
+  void savePose();
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  void work();
+  std::optional<Moment> nextMoment();
+  void process(const Moment& moment);
+  std::optional<Pose> odometryAt(const ros::Time& stamp, std::string* problem);
+  bool addView(const Moment& moment, size_t camera, const std::optional<Pose>& odometry,
+               LiveInput* input, double* mask_age, std::string* problem);
+  cv::Mat maskFor(Camera* camera, const MaskMatcher::Match& match, const CameraModel& model,
+                  const std::optional<Pose>& T_odom_camera, bool* skip, double* age);
+
+  ros::NodeHandle nh_, private_nh_;
+  NodeParameters params_;
+  Parameters method_;
+  image_transport::ImageTransport transport_;
+  std::unique_ptr<ResultPublisher> publisher_;
+  tf2_ros::Buffer tf_;
+  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
+  std::unique_ptr<tf2::BufferCore> odometry_buffer_;  // of the topic
+
+  std::mutex input_mutex_;  // guards what callbacks write
+  std::condition_variable input_ready_;
+  std::vector<Camera> cameras_;
+  uint32_t images_received_ = 0;
+  int odometry_missing_ = 0;  // times in a row
+
+  std::mutex localizer_mutex_;  // guards what the worker and services share
+  std::unique_ptr<LiveLocalizer> localizer_;
+  bool force_update_ = false;
+  uint32_t updates_ = 0;
+  LiveResult last_result_;
+  double last_update_ms_ = 0;
+  ros::WallTime last_image_at_;
+
+  std::vector<ros::Subscriber> subscribers_;
+  std::vector<ros::ServiceServer> services_;
+  ros::WallTimer save_timer_, diagnostics_timer_;
+  diagnostic_updater::Updater diagnostics_;
+  std::atomic<bool> running_{true};
+  std::thread worker_;
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,186 @@
+// The part of LocalizerNode that runs in its worker thread.
+#include <ros/console.h>
+
+#include <chrono>
+#include <opencv2/imgproc.hpp>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/nodes/localizer_node.h"
+#include "edge_mcl/nodes/mask_motion.h"
+#include "edge_mcl/nodes/ros_conversions.h"
+
+namespace edge_mcl {
+
+/// Images that belong together.
+struct LocalizerNode::Moment {
+  ros::Time stamp;  ///< of the first camera's image
+  std::vector<std::optional<MaskMatcher::Match>> matches;  ///< by camera
+  std::vector<sensor_msgs::CameraInfoConstPtr> infos;
+  uint32_t received = 0, dropped = 0;
+};
+
+void LocalizerNode::work() {
+  while (running_) {
+    const std::optional<Moment> moment = nextMoment();
+    if (!moment) continue;
+    try {
+      process(*moment);
+    } catch (const std::exception& e) {
+      ROS_ERROR_THROTTLE(5, "an image could not be used: %s", e.what());
+    }
+  }
+}
+
+std::optional<LocalizerNode::Moment> LocalizerNode::nextMoment() {
+  constexpr auto kPoll = std::chrono::milliseconds(10);  // for timeouts; input wakes it up
+  std::unique_lock<std::mutex> lock(input_mutex_);
+  const double now = ros::WallTime::now().toSec();
+  const auto fresh = cameras_.front().matcher.take(now);
+  if (!fresh) {
+    input_ready_.wait_for(lock, kPoll);
+    return std::nullopt;
+  }
+  Moment moment;
+  moment.stamp = fresh->image->header.stamp;
+  cameras_.front().match = fresh;
+  const auto inWindow = [&](const Camera& camera) {
+    return camera.match &&
+           std::abs((camera.match->image->header.stamp - moment.stamp).toSec()) <=
+               params_.camera_window;
+  };
+  // Images of one moment do not come at one moment.
+  const double until = now + params_.camera_window;
+  for (size_t i = 1; i < cameras_.size(); ++i)
+    while (running_ && !inWindow(cameras_[i])) {
+      if (auto match = cameras_[i].matcher.take(ros::WallTime::now().toSec()))
+        cameras_[i].match = std::move(match);
+      else if (ros::WallTime::now().toSec() >= until)
+        break;
+      else
+        input_ready_.wait_for(lock, std::chrono::milliseconds(1));
+    }
+  for (const Camera& camera : cameras_) {
+    moment.matches.push_back(inWindow(camera) ? camera.match : std::nullopt);
+    moment.infos.push_back(camera.info);
+    moment.dropped += static_cast<uint32_t>(camera.matcher.dropped());
+  }
+  moment.received = images_received_;
+  return moment;
+}
+
+std::optional<Pose> LocalizerNode::odometryAt(const ros::Time& stamp, std::string* problem) {
+  if (params_.odometry == "none") return std::nullopt;
+  const tf2::BufferCore& buffer = odometry_buffer_ ? *odometry_buffer_ : tf_;
+  const std::string &odom = params_.odom_frame_id, &base = params_.base_frame_id;
+  // By the wall clock: a simulated one may stand still. Odometry that is not there at all is not
+  // awaited for every image.
+  const auto until = ros::WallTime::now() +
+                     ros::WallDuration(odometry_missing_ > 3 ? 0 : params_.transform_timeout);
+  std::string why;
+  while (running_) {
+    if (buffer.canTransform(odom, base, stamp, &why)) {
+      odometry_missing_ = 0;
+      return fromMessage(buffer.lookupTransform(odom, base, stamp).transform, "odometry");
+    }
+    const bool newer_is_there = buffer.canTransform(odom, base, ros::Time(0)) &&
+                                buffer.lookupTransform(odom, base, ros::Time(0)).header.stamp > stamp;
+    if (newer_is_there || ros::WallTime::now() >= until) break;
+    ros::WallDuration(0.002).sleep();
+  }
+  ++odometry_missing_;
+  *problem = "no odometry for the image: " + why;
+  return std::nullopt;
+}
+
+cv::Mat LocalizerNode::maskFor(Camera* camera, const MaskMatcher::Match& match,
+                               const CameraModel& model, const std::optional<Pose>& T_odom_camera,
+                               bool* skip, double* age) {
+  if (match.mask) {
+    const cv::Mat mask = maskFromMessage(match.mask, camera->origin + " mask");
+    *age = 0;
+    if (params_.mask_policy == "use_last") {
+      camera->last_mask = mask.clone();
+      camera->last_mask_at = match.image->header.stamp;
+      camera->last_mask_rotation.reset();
+      if (T_odom_camera) camera->last_mask_rotation = T_odom_camera->linear();
+    }
+    return mask;
+  }
+  if (params_.mask_policy == "skip_update") *skip = true;
+  if (params_.mask_policy != "use_last" || camera->last_mask.empty()) return {};
+  *age = (match.image->header.stamp - camera->last_mask_at).toSec();
+  if (*age < 0) return {};  // of another time
+  if (!T_odom_camera || !camera->last_mask_rotation) return camera->last_mask;
+  return turnMask(camera->last_mask, model,
+                  T_odom_camera->linear().transpose() * *camera->last_mask_rotation);
+}
+
+bool LocalizerNode::addView(const Moment& moment, size_t number,
+                            const std::optional<Pose>& odometry, LiveInput* input, double* mask_age,
+                            std::string* problem) {
+  if (!moment.matches[number]) return false;
+  Camera& camera = cameras_[number];
+  const MaskMatcher::Match& match = *moment.matches[number];
+  const std::string& frame = match.image->header.frame_id;
+  try {
+    if (!moment.infos[number]) throw InputError(camera.origin + ": no camera_info yet");
+    LiveInput::View view;
+    view.origin = camera.origin;
+    view.camera = fromMessage(*moment.infos[number], camera.origin + " camera_info");
+    view.image = fromMessage(match.image, camera.origin);
+    std::string why;
+    if (!tf_.canTransform(params_.base_frame_id, frame, ros::Time(0), ros::Duration(0), &why))
+      throw InputError(camera.origin + ": where is it on the robot? " + why);
+    view.T_base_camera = fromMessage(
+        tf_.lookupTransform(params_.base_frame_id, frame, ros::Time(0)).transform, frame);
+    if (params_.use_masks) {
+      std::optional<Pose> T_odom_camera;
+      if (odometry) T_odom_camera = *odometry * view.T_base_camera;
+      bool skip = false;
+      view.mask = maskFor(&camera, match, view.camera, T_odom_camera, &skip, mask_age);
+      if (skip) throw InputError(camera.origin + ": no mask in time, image not used");
+    }
+    input->views.push_back(std::move(view));
+    return true;
+  } catch (const std::exception& e) {
+    *problem = e.what();
+    return false;
+  }
+}
+
+void LocalizerNode::process(const Moment& moment) {
+  const auto begin = std::chrono::steady_clock::now();
+  ResultContext context;
+  context.stamp = moment.stamp;
+  std::string problem;
+  context.odometry = odometryAt(moment.stamp, &problem);
+  LiveInput input;
+  input.time = moment.stamp.toSec();
+  input.odometry = context.odometry;
+  for (size_t i = 0; i < moment.matches.size(); ++i)
+    addView(moment, i, context.odometry, &input, &context.mask_age, &problem);
+
+  const std::lock_guard<std::mutex> lock(localizer_mutex_);
+  input.force_update = force_update_;
+  force_update_ = false;
+  for (const LiveInput::View& view : input.views)
+    context.T_base_camera.push_back(view.T_base_camera);
+  LiveResult result = localizer_->process(input);
+  if (!problem.empty() && (result.problem.empty() || input.views.empty())) result.problem = problem;
+  if (result.updated) ++updates_;
+  context.images_received = moment.received;
+  context.images_dropped = moment.dropped;
+  context.updates = updates_;
+  context.update_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                                begin).count();
+  if (result.restarted) ROS_WARN("%s", result.problem.c_str());
+  if (!result.problem.empty())
+    ROS_WARN_THROTTLE(5, "%s: %s", nameOf(result.state), result.problem.c_str());
+  publisher_->publish(result, *localizer_, context);
+  last_image_at_ = ros::WallTime::now();
+  last_update_ms_ = context.update_ms;
+  last_result_ = std::move(result);
+  last_result_.images.clear();  // they are large
+}
+
+}  // namespace edge_mcl

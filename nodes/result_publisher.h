@@ -1,0 +1,55 @@
+/// What the localizer node tells others.
+#pragma once
+
+#include <edge_mcl/Status.h>
+#include <image_transport/image_transport.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/node_handle.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <optional>
+#include <string>
+
+#include "edge_mcl/mrpt_plugins/live_localizer.h"
+#include "edge_mcl/nodes/node_parameters.h"
+
+namespace edge_mcl {
+
+/// What goes with a result.
+struct ResultContext {
+  ros::Time stamp;               ///< of the image
+  std::optional<Pose> odometry;  ///< T_odom_base at that time
+  double mask_age = -1;          ///< s; negative: no mask
+  uint32_t images_received = 0, images_dropped = 0, updates = 0;
+  double update_ms = 0;
+  std::vector<Pose> T_base_camera;  ///< of the result's images
+};
+
+class ResultPublisher {
+ public:
+  ResultPublisher(ros::NodeHandle nh, ros::NodeHandle private_nh, const NodeParameters& params);
+
+  void publish(const LiveResult& result, const LiveLocalizer& localizer,
+               const ResultContext& context);
+  /// The model's lines, latched.
+  void publishModel(const LocalizationMap& map);
+  /// The pose between images: odometry carried over into the map.
+  void publishOdometry(const nav_msgs::Odometry& odometry);
+
+ private:
+  void publishTransform(const PoseGaussian& estimate, const ResultContext& context);
+  void publishCloud(const LiveLocalizer& localizer, const ros::Time& stamp);
+  void publishStatus(const LiveResult& result, const LiveLocalizer& localizer,
+                     const ResultContext& context);
+  void publishOverlay(const LiveResult& result, const LiveLocalizer& localizer,
+                      const ResultContext& context);
+
+  NodeParameters params_;
+  ros::Publisher pose_, cloud_, status_, model_, odometry_;
+  image_transport::ImageTransport transport_;
+  image_transport::Publisher overlay_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  std::optional<PoseGaussian> T_map_odom_;  // with the covariance of the pose
+};
+
+}  // namespace edge_mcl
