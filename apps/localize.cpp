@@ -41,6 +41,7 @@ nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
   j["match_ratio"] =
       u.used_samples > 0 ? static_cast<double>(u.matched_samples) / u.used_samples : 0;
   j["log_likelihood"] = u.log_likelihood;
+  j["evidence_per_line"] = u.evidence_per_line;
   j["refined_modes"] = u.refined_modes;
   j["ms"] = {
       {"reading", r.reading_ms},

@@ -20,6 +20,14 @@ double combineLines(const LikelihoodParameters& params, double line_sum, double 
   return std::log(params.alpha) + (line_count > 0 ? params.k * line_sum / line_count : 0);
 }
 
+double scorePerLine(const LikelihoodParameters& params, double log_likelihood, double line_count) {
+  if (!(line_count > 0)) return 0;
+  if (params.model == LikelihoodModel::kRobust)
+    return log_likelihood * (1 + params.line_correlation * std::max(0.0, line_count - 1)) /
+           (params.scale * line_count);
+  return (log_likelihood - std::log(params.alpha)) / params.k;
+}
+
 double spacingScale(const LikelihoodFrame& frame) {
   constexpr double kEndOn = 50;
   if (frame.params.model == LikelihoodModel::kPaper)

@@ -56,5 +56,7 @@ void checkLikelihoodInput(const LikelihoodFrame& frame, const std::vector<Pose>&
 
 /// Total log-likelihood from the two sums a kernel produces.
 double combineLines(const LikelihoodParameters& params, double line_sum, double line_count);
+/// The mean of the lines' scores, from what combineLines made of them; 0 without lines.
+double scorePerLine(const LikelihoodParameters& params, double log_likelihood, double line_count);
 
 }  // namespace edge_mcl

@@ -228,6 +228,7 @@ void Parameters::validate() const {
   require(tracking.min_edge_pixels >= 0, "tracking.min_edge_pixels", "zero or more");
   require(share(tracking.max_masked_share), "tracking.max_masked_share", "0 to 1");
   require(share(tracking.min_match_ratio), "tracking.min_match_ratio", "0 to 1");
+  require(std::isfinite(tracking.min_evidence), "tracking.min_evidence", "a number");
   require(not_negative(tracking.lost_after), "tracking.lost_after", "zero or more");
   require(positive(tracking.converged_std_position), "tracking.converged_std_position", "positive");
   require(positive(tracking.converged_std_angle_deg), "tracking.converged_std_angle_deg",

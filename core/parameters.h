@@ -222,7 +222,8 @@ struct TrackingParameters {
   int min_visible_samples = 60;
   int min_edge_pixels = 100;
   double max_masked_share = 0.8;
-  double min_match_ratio = 0.5;
+  double min_match_ratio = 0.35;
+  double min_evidence = 7;
   double lost_after = 1.5;
   double converged_std_position = 0.1;
   double converged_std_angle_deg = 3;
@@ -241,6 +242,8 @@ struct TrackingParameters {
       "an image with a larger share of its pixels masked is not used");
     v("min_match_ratio", min_match_ratio, "",
       "below this share of samples with an image edge in reach a pose is not trusted");
+    v("min_evidence", min_evidence, "nats",
+      "robust model: likewise, below this mean log-ratio of the visible lines against chance");
     v("lost_after", lost_after, "s", "lost when no pose could be trusted for so long");
     v("converged_std_position", converged_std_position, "m",
       "tracking needs a standard deviation per axis below this");

@@ -22,20 +22,22 @@ const char* nameOf(LocalizerState state) {
 LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map)
     : map_(std::move(map)), filter_(map_->params().filter, map_->params().refinement) {}
 
-void LiveLocalizer::setPose(const PoseGaussian& pose) {
-  filter_.initialize(pose);
-  initial_ = pose;
+void LiveLocalizer::begin() {
+  initial_ = filter_.estimate();
   state_ = LocalizerState::kConverging;
+  fresh_ = true;
   odometry_of_update_.reset();
   trusted_at_.reset();
 }
 
+void LiveLocalizer::setPose(const PoseGaussian& pose) {
+  filter_.initialize(pose);
+  begin();
+}
+
 void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
   filter_.setParticles(std::move(poses), std::move(log_weights));
-  initial_ = filter_.estimate();
-  state_ = LocalizerState::kConverging;
-  odometry_of_update_.reset();
-  trusted_at_.reset();
+  begin();
 }
 
 bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
@@ -48,17 +50,18 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
     }
     // A recording that is played again, or a simulation that begins anew.
     setPose(PoseGaussian(*initial_));
-    last_time_.reset();
-    last_odometry_.reset();
     result->restarted = true;
     result->problem = "the clock jumped back; began again at the initial pose";
   }
-  const double dt = last_time_ ? input.time - *last_time_ : 0;
-  const bool has_increment = input.odometry && last_odometry_ && last_time_;
-  if (has_increment)
-    filter_.predictWithOdometry(normalized(last_odometry_->inverse() * *input.odometry), dt);
-  else if (last_time_)
-    filter_.predictWithoutOdometry(std::min(dt, map_->params().tracking.max_gap));
+  // A pose that was just given holds for the first image after it.
+  if (!fresh_ && last_time_) {
+    const double dt = input.time - *last_time_;
+    if (input.odometry && last_odometry_)
+      filter_.predictWithOdometry(normalized(last_odometry_->inverse() * *input.odometry), dt);
+    else
+      filter_.predictWithoutOdometry(std::min(dt, map_->params().tracking.max_gap));
+  }
+  fresh_ = false;
   last_time_ = input.time;
   last_odometry_ = input.odometry;
   return true;
@@ -120,6 +123,14 @@ std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result)
   return problem;
 }
 
+bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
+  const TrackingParameters& p = map_->params().tracking;
+  const bool enough_evidence = map_->params().likelihood.model == LikelihoodModel::kPaper ||
+                               result.report.evidence_per_line >= p.min_evidence;
+  return result.updated && result.report.has_information &&
+         result.match_ratio >= p.min_match_ratio && enough_evidence;
+}
+
 void LiveLocalizer::judge(double time, bool trusted, bool used) {
   const TrackingParameters& p = map_->params().tracking;
   if (!trusted_at_ || trusted) trusted_at_ = time;
@@ -151,8 +162,7 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
         const std::string problem = useImages(input, &result);
         if (!problem.empty()) result.problem = problem;
         if (result.updated) odometry_of_update_ = input.odometry;
-        const bool trusted = result.updated && result.report.has_information &&
-                             result.match_ratio >= map_->params().tracking.min_match_ratio;
+        const bool trusted = isConfirmed(result);
         judge(input.time, trusted, result.updated);
         if (result.updated && !trusted && result.problem.empty())
           result.problem = "the image does not confirm the pose";

@@ -50,7 +50,7 @@ class LiveLocalizer {
  public:
   explicit LiveLocalizer(std::shared_ptr<const LocalizationMap> map);
 
-  /// Begins here, T_map_base. @throws InputError when it is not finite.
+  /// Begins here, T_map_base, with the next image. @throws InputError when it is not finite.
   void setPose(const PoseGaussian& pose);
   /// Takes over particles, e.g. stored ones. @throws InputError
   void setParticles(std::vector<Pose> poses, std::vector<double> log_weights);
@@ -67,15 +67,18 @@ class LiveLocalizer {
   LiveResult process(const LiveInput& input);
 
  private:
+  void begin();
   bool advanceTo(const LiveInput& input, LiveResult* result);
   bool hasMoved(const LiveInput& input) const;
   std::string useImages(const LiveInput& input, LiveResult* result);
+  bool isConfirmed(const LiveResult& result) const;
   void judge(double time, bool trusted, bool used);
 
   std::shared_ptr<const LocalizationMap> map_;
   PoseFilter filter_;
   std::optional<PoseGaussian> initial_;
   LocalizerState state_ = LocalizerState::kUninitialized;
+  bool fresh_ = false;  // no image since the pose was given
   std::optional<double> last_time_;
   std::optional<Pose> last_odometry_;
   std::optional<Pose> odometry_of_update_;  // where the images were last used

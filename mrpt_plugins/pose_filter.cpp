@@ -85,10 +85,18 @@ void PoseFilter::addNoise(double std_position, double std_angle) {
   noise_variance_ += scale.cwiseAbs2();
 }
 
+void PoseFilter::moveEstimate(const Pose& increment, const Twist& noise_before) {
+  const Matrix6 to_new_axes = adjoint(increment.inverse());
+  estimate_.mean = normalized(estimate_.mean * increment);
+  estimate_.covariance = to_new_axes * estimate_.covariance * to_new_axes.transpose();
+  estimate_.covariance.diagonal() += noise_variance_ - noise_before;
+}
+
 void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
   if (!isValid(increment) || !std::isfinite(dt) || dt < 0)
     throw InputError("filter: the odometry increment is not a finite pose over a positive time");
   resampleIfNeeded();
+  const Twist noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
   constexpr double kReferenceTime = 0.1, kDegree = M_PI / 180;
   const double root = std::sqrt(dt / kReferenceTime);
@@ -96,7 +104,7 @@ void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
                params_.odometry_noise_per_metre * increment.translation().norm(),
            params_.odometry_noise_angle_deg * kDegree * root +
                params_.odometry_noise_per_radian * logSo3(increment.linear()).norm());
-  estimate_.mean = normalized(estimate_.mean * increment);
+  moveEstimate(increment, noise_before);
   since_last_estimate_ += dt;
 }
 
@@ -104,12 +112,13 @@ void PoseFilter::predictWithoutOdometry(double dt) {
   if (!std::isfinite(dt) || dt < 0) throw InputError("filter: the time step is not positive");
   resampleIfNeeded();
   const Pose increment = expSe3(velocity_ * dt);
+  const Twist noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
   const double root = std::sqrt(dt), half_square = dt * dt / 2, degree = M_PI / 180;
   addNoise(params_.walk_position_rate * root + params_.walk_acceleration * half_square,
            degree * (params_.walk_angle_rate_deg * root +
                      params_.walk_angular_acceleration_deg * half_square));
-  estimate_.mean = normalized(estimate_.mean * increment);
+  moveEstimate(increment, noise_before);
   since_last_estimate_ += dt;
 }
 
@@ -280,6 +289,8 @@ UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<Ca
   report.log_likelihood = at_estimate.log_likelihood;
   report.visible_samples = at_estimate.sample_weight;
   report.visible_lines = at_estimate.line_count;
+  report.evidence_per_line = scorePerLine(map.params().likelihood, at_estimate.log_likelihood,
+                                          at_estimate.line_count);
   if (report.has_information) trackVelocity();
   report.total_ms = millisecondsSince(begin);
   return report;

@@ -20,6 +20,8 @@ struct UpdateReport {
   double visible_samples = 0;        ///< inside the image, at the estimate
   double visible_lines = 0;
   double log_likelihood = 0;  ///< of the estimate
+  /// How much a line speaks for the estimate, mean: robust model: nats; paper: g of eq. (1).
+  double evidence_per_line = 0;
   int matched_samples = 0;    ///< with an image edge within reach, at the estimate
   int used_samples = 0;
   int refined_modes = 0;         ///< poses that particles were drawn around
@@ -66,6 +68,7 @@ class PoseFilter {
  private:
   void resampleIfNeeded();
   void addNoise(double std_position, double std_angle);
+  void moveEstimate(const Pose& increment, const Twist& noise_before);
   void trackVelocity();
   void weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
              const std::vector<CameraView>& thinned, const PredictiveDensity& predictive,

@@ -46,25 +46,30 @@ struct BagWriter::Impl {
     }
   }
 
-  void begin(const ros::Time& time) {
-    if (begun) return;
-    begun = true;
+  /// Whoever subscribes later gets it, too.
+  template <class Message>
+  void putLatched(const std::string& topic, const ros::Time& time, const Message& message) {
     namespace traits = ros::message_traits;
-    using Transforms = tf2_msgs::TFMessage;
-    // Latched, so that it is there for whoever subscribes later.
-    const auto connection = boost::make_shared<ros::M_string>(
-        ros::M_string{{"topic", "/tf_static"},
-                      {"type", traits::datatype<Transforms>()},
-                      {"md5sum", traits::md5sum<Transforms>()},
-                      {"message_definition", traits::definition<Transforms>()},
-                      {"latching", "1"},
-                      {"callerid", "/edge_mcl"}});
+    const auto connection =
+        boost::make_shared<ros::M_string>(ros::M_string{{"topic", "/" + topic},
+                                                        {"type", traits::datatype<Message>()},
+                                                        {"md5sum", traits::md5sum<Message>()},
+                                                        {"message_definition",
+                                                         traits::definition<Message>()},
+                                                        {"latching", "1"},
+                                                        {"callerid", "/edge_mcl"}});
     try {
-      bag.write("/tf_static", time, messages.mounting(time), connection);
+      bag.write("/" + topic, time, message, connection);
     } catch (const std::exception& e) {
       fail(e);
     }
-    put(recording_topics::kInitialPose, time, messages.initialPose(time));
+  }
+
+  void begin(const ros::Time& time) {
+    if (begun) return;
+    begun = true;
+    putLatched("tf_static", time, messages.mounting(time));
+    putLatched(recording_topics::kInitialPose, time, messages.initialPose(time));
   }
 };
 

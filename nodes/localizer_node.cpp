@@ -139,6 +139,10 @@ std::string LocalizerNode::setPose(const geometry_msgs::PoseWithCovarianceStampe
     PoseGaussian pose = fromMessage(message.pose, "initial pose");
     const std::string& frame = message.header.frame_id;
     if (!frame.empty() && frame != params_.global_frame_id) {
+      std::string why;
+      if (!tf_.canTransform(params_.global_frame_id, frame, ros::Time(0), &why))
+        throw InputError("its frame '" + frame + "' is not known in " + params_.global_frame_id +
+                         ": " + why);
       const Pose T_map_frame = fromMessage(
           tf_.lookupTransform(params_.global_frame_id, frame, ros::Time(0)).transform, frame);
       pose.mean = T_map_frame * pose.mean;  // the covariance is in the robot's own axes

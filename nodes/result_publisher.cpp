@@ -76,6 +76,7 @@ void ResultPublisher::publishStatus(const LiveResult& result, const LiveLocalize
   const UpdateReport& r = result.report;
   status.effective_sample_size = static_cast<float>(r.effective_sample_size);
   status.match_ratio = static_cast<float>(result.match_ratio);
+  status.evidence = static_cast<float>(r.evidence_per_line);
   status.visible_lines = static_cast<float>(r.visible_lines);
   status.visible_samples = static_cast<float>(r.visible_samples);
   status.masked_share = static_cast<float>(result.masked_share);

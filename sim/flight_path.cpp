@@ -18,6 +18,16 @@ void requireIncreasing(const std::vector<double>& times, const std::string& orig
 
 }  // namespace
 
+Eigen::Matrix3d attitudeFor(const Eigen::Vector3d& acceleration, double yaw) {
+  const Eigen::Vector3d up =
+      (acceleration + Eigen::Vector3d(0, 0, FlightPath::kGravity)).normalized();
+  const Eigen::Vector3d heading(std::cos(yaw), std::sin(yaw), 0);
+  const Eigen::Vector3d left = up.cross(heading).normalized();
+  Eigen::Matrix3d attitude;
+  attitude << left.cross(up), left, up;
+  return attitude;
+}
+
 FlightPath FlightPath::throughWaypoints(const std::vector<Waypoint>& waypoints, bool tilts,
                                         const std::string& origin) {
   std::vector<double> times;
@@ -69,13 +79,10 @@ Pose FlightPath::at(double time) const {
     pose.linear() = q.normalized().toRotationMatrix();
     return pose;
   }
-  const double yaw = channels_[3].at(time);
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  if (attitude_ == Attitude::kTilted)
-    up = (acceleration(time) + Eigen::Vector3d(0, 0, kGravity)).normalized();
-  const Eigen::Vector3d heading(std::cos(yaw), std::sin(yaw), 0);
-  const Eigen::Vector3d left = up.cross(heading).normalized();
-  pose.linear() << left.cross(up), left, up;
+  pose.linear() = attitudeFor(attitude_ == Attitude::kTilted
+                                  ? acceleration(time)
+                                  : Eigen::Vector3d(Eigen::Vector3d::Zero()),
+                              channels_[3].at(time));
   return pose;
 }
 

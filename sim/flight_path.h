@@ -18,6 +18,10 @@ struct Waypoint {
   double yaw = 0;            ///< radians; unwrapped along the path, the shorter way round
 };
 
+/// Attitude of a multirotor whose thrust, along its z axis, makes an acceleration (map axes, m/s^2)
+/// against gravity; its x axis points to the yaw as far as the tilt allows.
+Eigen::Matrix3d attitudeFor(const Eigen::Vector3d& acceleration, double yaw);
+
 /// A smooth motion: position, velocity and acceleration are continuous, so an inertial sensor's
 /// readings are defined everywhere.
 class FlightPath {

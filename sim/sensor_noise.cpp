@@ -24,27 +24,35 @@ Pose OdometrySimulator::next(double time, const Pose& truth) {
   return odometry_;
 }
 
+Eigen::Vector3d ImuSensor::normal() {
+  const double x = random_.normal(), y = random_.normal();
+  return {x, y, random_.normal()};
+}
+
+ImuReading ImuSensor::read(double time, const Eigen::Matrix3d& body_to_map,
+                           const Eigen::Vector3d& turn, const Eigen::Vector3d& acceleration) {
+  const double dt = 1 / noise_.rate, root = std::sqrt(noise_.rate);
+  const Eigen::Vector3d up(0, 0, FlightPath::kGravity);
+  // White noise of density d sampled at rate f has standard deviation d sqrt(f); a walk of
+  // density d grows by d sqrt(dt) a step.
+  ImuReading reading{time, turn + turn_bias_,
+                     body_to_map.transpose() * (acceleration + up) + force_bias_};
+  reading.angular_velocity += noise_.gyroscope * root * normal();
+  reading.specific_force += noise_.accelerometer * root * normal();
+  force_bias_ += noise_.accelerometer_walk * std::sqrt(dt) * normal();
+  turn_bias_ += noise_.gyroscope_walk * std::sqrt(dt) * normal();
+  return reading;
+}
+
 std::vector<ImuReading> simulateImu(const FlightPath& path, const ImuNoise& noise, uint64_t seed) {
-  RandomSource random(seed);
-  const auto normal = [&] {
-    return Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-  };
-  const double dt = 1 / noise.rate, root = std::sqrt(noise.rate);
+  ImuSensor sensor(noise, seed);
   const auto count = static_cast<size_t>(std::floor((path.end() - path.begin()) * noise.rate)) + 1;
-  Eigen::Vector3d force_bias = Eigen::Vector3d::Zero(), turn_bias = Eigen::Vector3d::Zero();
   std::vector<ImuReading> readings;
   readings.reserve(count);
   for (size_t i = 0; i < count; ++i) {
-    const double t = path.begin() + static_cast<double>(i) * dt;
-    const Eigen::Matrix3d to_body = path.at(t).linear().transpose();
-    const Eigen::Vector3d up(0, 0, FlightPath::kGravity);
-    // White noise of density d sampled at rate f has standard deviation d sqrt(f); a walk of
-    // density d grows by d sqrt(dt) a step.
-    readings.push_back({t, path.angularVelocity(t) + turn_bias + noise.gyroscope * root * normal(),
-                        to_body * (path.acceleration(t) + up) + force_bias +
-                            noise.accelerometer * root * normal()});
-    force_bias += noise.accelerometer_walk * std::sqrt(dt) * normal();
-    turn_bias += noise.gyroscope_walk * std::sqrt(dt) * normal();
+    const double t = path.begin() + static_cast<double>(i) / noise.rate;
+    readings.push_back(
+        sensor.read(t, path.at(t).linear(), path.angularVelocity(t), path.acceleration(t)));
   }
   return readings;
 }

@@ -42,6 +42,22 @@ struct ImuNoise {
   double gyroscope_walk = 2e-5;      ///< rad/s^2 per sqrt(Hz): bias
 };
 
+/// An inertial sensor with its wandering biases.
+class ImuSensor {
+ public:
+  ImuSensor(const ImuNoise& noise, uint64_t seed) : noise_(noise), random_(seed) {}
+  /// The next reading; one every 1 / rate seconds. @param body_to_map rotation of the body.
+  /// @param turn rad/s, body axes. @param acceleration m/s^2, map axes.
+  ImuReading read(double time, const Eigen::Matrix3d& body_to_map, const Eigen::Vector3d& turn,
+                  const Eigen::Vector3d& acceleration);
+
+ private:
+  Eigen::Vector3d normal();
+  ImuNoise noise_;
+  RandomSource random_;
+  Eigen::Vector3d force_bias_ = Eigen::Vector3d::Zero(), turn_bias_ = Eigen::Vector3d::Zero();
+};
+
 /// Readings from the begin to the end of a path.
 std::vector<ImuReading> simulateImu(const FlightPath& path, const ImuNoise& noise, uint64_t seed);
 

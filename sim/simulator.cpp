@@ -51,6 +51,12 @@ void Simulator::checkPath() const {
   }
 }
 
+bool Simulator::isFree(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+  const double clearance = scenario_.clearance;
+  return !scene_->blocked(from.cast<float>(), to.cast<float>()) &&
+         (clearance <= 0 || scene_->clearance(to, clearance) >= clearance);
+}
+
 RecordingSetup Simulator::setup() const {
   const Scenario& s = scenario_;
   RecordingSetup setup;
@@ -99,20 +105,23 @@ bool Simulator::next(RecordedFrame* frame) {
   if (next_ >= image_count_) throw Error("simulator: the flight is over");
   const double time = timeOf(next_++);
   const auto cameraAt = [this](double t) { return scenario_.cameraAt(t); };
-  return take(time, cameraAt, frame);
+  return take(time, cameraAt, true, frame);
 }
 
-bool Simulator::take(double time, const Pose& T_map_camera, RecordedFrame* frame) {
-  return take(time, [&](double) { return T_map_camera; }, frame);
+bool Simulator::take(double time, const Pose& T_map_camera, bool with_images,
+                     RecordedFrame* frame) {
+  const auto cameraAt = [&](double) { return T_map_camera; };
+  return take(time, cameraAt, with_images, frame);
 }
 
-bool Simulator::take(double time, const std::function<Pose(double)>& cameraAt,
+bool Simulator::take(double time, const std::function<Pose(double)>& cameraAt, bool with_images,
                      RecordedFrame* frame) {
   const size_t number = taken_++;
   frame->time = time;
   frame->truth = cameraAt(time);
   frame->odometry = odometry_.next(time, *frame->truth);
   if (random_.uniform() < scenario_.faults.dropped) return false;
+  if (!with_images) return true;
   const CameraFaults& faults = scenario_.faults;
   RenderedImage image = renderAt(time, *frame->truth);
   if (faults.exposure_time > 0 && faults.blur_steps > 1) {

@@ -22,22 +22,27 @@ class Simulator {
   /// time and poses are set.
   bool next(RecordedFrame* frame);
 
-  /// Takes the image that a camera sees from a pose at a time, with the objects where they are
-  /// then; for flights that no path describes. @return as next(), which it does not disturb
-  /// otherwise than by the noise drawn. Times must increase.
-  bool take(double time, const Pose& T_map_camera, RecordedFrame* frame);
+  /// What a camera sees from a pose at a time, with the objects where they are then; for flights
+  /// that no path describes. Times must increase. @param with_images false: poses only.
+  /// @return as next().
+  bool take(double time, const Pose& T_map_camera, bool with_images, RecordedFrame* frame);
 
   /// With an initial pose drawn around the truth with its standard deviations.
   RecordingSetup setup() const;
   /// What noise, faults and objects there are, one line each.
   std::vector<std::string> notes() const;
 
+  /// Whether a body may move in a straight line without coming closer to the building than the
+  /// scenario's clearance.
+  bool isFree(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+
   const Scenario& scenario() const { return scenario_; }
   double timeOf(size_t image) const;
 
  private:
   void checkPath() const;
-  bool take(double time, const std::function<Pose(double)>& cameraAt, RecordedFrame* frame);
+  bool take(double time, const std::function<Pose(double)>& cameraAt, bool with_images,
+            RecordedFrame* frame);
   RenderedImage renderAt(double time, const Pose& T_map_camera);
   Scenario scenario_;
   std::unique_ptr<Scene> scene_;
