@@ -16,17 +16,21 @@
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/sequence_localizer.h"
+#include "localize_bag.h"
 #include "progress_bar.h"
 
 namespace edge_mcl {
 
-namespace {
+std::pair<double, double> parseInitialStd(const std::string& text) {
+  double metres = NAN, degrees = NAN;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf%c", &metres, &degrees, &rest) != 2 || !(metres >= 0) ||
+      !(degrees >= 0) || !std::isfinite(metres + degrees))
+    throw ParameterError("--initial-std " + text + ": two numbers expected, metres,degrees");
+  return {metres, degrees * M_PI / 180};
+}
 
-struct LocalizeOptions {
-  std::string sequence, model, out = "est.txt", stats, overlay, plot, initial_std;
-  bool no_mask = false, json = false;
-  ParameterOptions parameters;
-};
+namespace {
 
 nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
   nlohmann::json j;
@@ -58,15 +62,6 @@ nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
   return j;
 }
 
-std::pair<double, double> parseInitialStd(const std::string& text) {
-  double metres = NAN, degrees = NAN;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf%c", &metres, &degrees, &rest) != 2 || !(metres >= 0) ||
-      !(degrees >= 0) || !std::isfinite(metres + degrees))
-    throw ParameterError("--initial-std " + text + ": two numbers expected, metres,degrees");
-  return {metres, degrees * M_PI / 180};
-}
-
 void writeJson(const std::string& file, const nlohmann::json& content) {
   std::ofstream out(file);
   out << content.dump(1) << "\n";
@@ -81,7 +76,14 @@ Trajectory truthOf(const Sequence& sequence) {
   return truth;
 }
 
+bool isBag(const std::string& name) {
+  return name.size() > 4 && name.compare(name.size() - 4, 4, ".bag") == 0;
+}
+
 int run(const LocalizeOptions& o) {
+  if (isBag(o.sequence)) return localizeBag(o);
+  if (!o.topics.empty() || !o.initial_pose.empty())
+    throw ParameterError("--topics and --initial-pose belong to a bag");
   const Parameters params = o.parameters.load();
   const Sequence sequence = readSequence(o.sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
@@ -172,12 +174,17 @@ int run(const LocalizeOptions& o) {
 
 void addLocalize(CLI::App* app, Action* action) {
   auto o = std::make_shared<LocalizeOptions>();
-  CLI::App* c = app->add_subcommand("localize", "track a recorded sequence in its 3D model");
+  CLI::App* c = app->add_subcommand("localize", "track a recorded sequence or a ROS bag in its 3D model");
   c->add_option("sequence", o->sequence,
-                "directory with rgb.txt, camera.yaml, sequence.yaml (see docs/sequences.md)")
+                "directory with rgb.txt, camera.yaml, sequence.yaml (see docs/sequences.md), or a "
+                "bag (see docs/ros.md)")
       ->required();
   c->add_option("--model", o->model, "model file, if not SEQUENCE/model.obj");
   c->add_option("--initial-std", o->initial_std, "spread of the first particles as metres,degrees");
+  c->add_option("--topics", o->topics,
+                "of a bag: image=/cam/image_raw,camera_info=...,mask=...,odom_frame=odom,...");
+  c->add_option("--initial-pose", o->initial_pose,
+                "of a bag without initialpose: x,y,z,roll,pitch,yaw of the base; metres, degrees");
   c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
   c->add_option("--out", o->out, "trajectory to write (TUM format)");
   c->add_option("--stats", o->stats, "JSON file with timings, ESS, covariance per image");

@@ -6,6 +6,8 @@
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "edge_mcl_localizer");
+  // While a handle is there, messages still reach the console and rosout.
+  const ros::NodeHandle keep_alive;
   try {
     const edge_mcl::LocalizerNode node{ros::NodeHandle(), ros::NodeHandle("~")};
     // Images, services and odometry must not wait for each other.

@@ -6,6 +6,8 @@
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "edge_mcl_simulator");
+  // While a handle is there, messages still reach the console and rosout.
+  const ros::NodeHandle keep_alive;
   try {
     edge_mcl::SimulatorNode node{ros::NodeHandle(), ros::NodeHandle("~")};
     ros::AsyncSpinner spinner(1);

@@ -1,0 +1,24 @@
+/// edge-mcl localize on a ROS bag.
+#pragma once
+
+#include <string>
+
+#include "common_options.h"
+
+namespace edge_mcl {
+
+struct LocalizeOptions {
+  std::string sequence, model, out = "est.txt", stats, overlay, plot, initial_std;
+  std::string topics, initial_pose;  // of a bag
+  bool no_mask = false, json = false;
+  ParameterOptions parameters;
+};
+
+/// "0.1,3": metres and degrees, as metres and radians. @throws ParameterError
+std::pair<double, double> parseInitialStd(const std::string& text);
+
+/// Reads the bag as fast as it can, with the same result whatever that is.
+/// @throws InputError in a build without ROS.
+int localizeBag(const LocalizeOptions& options);
+
+}  // namespace edge_mcl

@@ -1,0 +1,155 @@
+#include "edge_mcl/nodes/bag_reader.h"
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <cstdio>
+#include <map>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/nodes/ros_conversions.h"
+
+namespace edge_mcl {
+
+struct BagReader::Impl {
+  std::string file;
+  BagTopics topics;
+  rosbag::Bag bag;
+  std::unique_ptr<tf2::BufferCore> transforms;
+  std::optional<CameraModel> camera;
+  std::optional<PoseGaussian> initial_pose;
+  Trajectory truth;
+  std::unique_ptr<rosbag::View> images, masks;
+  rosbag::View::iterator image, mask;
+  std::map<ros::Time, sensor_msgs::ImageConstPtr> waiting_masks;
+
+  void readTransforms() {
+    rosbag::View all(bag);
+    if (all.size() == 0) throw InputError(file + ": no messages in it");
+    transforms = std::make_unique<tf2::BufferCore>(
+        ros::Duration((all.getEndTime() - all.getBeginTime()).toSec() + 60));
+    rosbag::View view(bag, rosbag::TopicQuery(std::vector<std::string>{"/tf", "/tf_static", "tf"}));
+    for (const rosbag::MessageInstance& m : view) {
+      const auto message = m.instantiate<tf2_msgs::TFMessage>();
+      if (!message) continue;
+      for (const auto& t : message->transforms)
+        transforms->setTransform(t, "bag", m.getTopic() == "/tf_static");
+    }
+  }
+
+  void readSmallThings() {
+    rosbag::View view(bag, rosbag::TopicQuery(std::vector<std::string>{
+                               topics.camera_info, topics.initial_pose, topics.truth}));
+    for (const rosbag::MessageInstance& m : view) {
+      if (m.getTopic() == topics.camera_info && !camera) {
+        if (const auto info = m.instantiate<sensor_msgs::CameraInfo>())
+          camera = fromMessage(*info, file + ": " + topics.camera_info);
+      } else if (const auto pose = m.instantiate<geometry_msgs::PoseWithCovarianceStamped>()) {
+        if (m.getTopic() == topics.initial_pose && !initial_pose)
+          initial_pose = fromMessage(pose->pose, file + ": " + topics.initial_pose);
+      } else if (const auto stamped = m.instantiate<geometry_msgs::PoseStamped>()) {
+        char time[32];
+        std::snprintf(time, sizeof time, "%.6f", stamped->header.stamp.toSec());
+        truth.push_back({stamped->header.stamp.toSec(), time,
+                         fromMessage(stamped->pose, file + ": " + topics.truth)});
+      }
+    }
+    if (!camera) throw InputError(file + ": no camera_info on " + topics.camera_info);
+  }
+
+  /// The mask of a stamp; masks may come up to two seconds after their image.
+  sensor_msgs::ImageConstPtr maskOf(const ros::Time& stamp, const ros::Time& received) {
+    if (!masks) return nullptr;
+    constexpr double kLatest = 2;  // s
+    while (!waiting_masks.count(stamp) && mask != masks->end() &&
+           (*mask).getTime() <= received + ros::Duration(kLatest)) {
+      if (const auto message = (*mask).instantiate<sensor_msgs::Image>())
+        waiting_masks[message->header.stamp] = message;
+      ++mask;
+    }
+    const auto found = waiting_masks.find(stamp);
+    const sensor_msgs::ImageConstPtr result =
+        found == waiting_masks.end() ? nullptr : found->second;
+    waiting_masks.erase(waiting_masks.begin(), waiting_masks.upper_bound(stamp));
+    return result;
+  }
+
+  LiveInput::View viewOf(const sensor_msgs::ImageConstPtr& message, const ros::Time& received) {
+    const std::string where = file + " at " + std::to_string(message->header.stamp.toSec());
+    LiveInput::View view;
+    view.origin = where;
+    view.camera = *camera;
+    // Copied: what the message holds is gone after this moment.
+    view.image = fromMessage(message, where).clone();
+    if (const auto m = maskOf(message->header.stamp, received))
+      view.mask = maskFromMessage(m, where + ": mask").clone();
+    std::string why;
+    if (!transforms->canTransform(topics.base_frame, message->header.frame_id, ros::Time(0), &why))
+      throw InputError(where + ": where is the camera on the robot? " + why);
+    view.T_base_camera =
+        fromMessage(transforms->lookupTransform(topics.base_frame, message->header.frame_id,
+                                                ros::Time(0)).transform, where);
+    return view;
+  }
+};
+
+BagReader::BagReader(const std::string& file, BagTopics topics) : impl_(std::make_unique<Impl>()) {
+  Impl& m = *impl_;
+  m.file = file;
+  m.topics = std::move(topics);
+  try {
+    m.bag.open(file, rosbag::bagmode::Read);
+    m.readTransforms();
+    m.readSmallThings();
+    m.images = std::make_unique<rosbag::View>(m.bag, rosbag::TopicQuery(m.topics.image));
+    m.image = m.images->begin();
+    if (!m.topics.mask.empty()) {
+      m.masks = std::make_unique<rosbag::View>(m.bag, rosbag::TopicQuery(m.topics.mask));
+      m.mask = m.masks->begin();
+    }
+  } catch (const rosbag::BagException& e) {
+    throw InputError(file + ": cannot be read as a bag: " + e.what());
+  }
+  if (m.images->size() == 0) {
+    std::string there;
+    rosbag::View all(m.bag);
+    for (const rosbag::ConnectionInfo* c : all.getConnections())
+      if (c->datatype == "sensor_msgs/Image") there += " " + c->topic;
+    throw InputError(file + ": no images on " + m.topics.image + "; topics with images:" +
+                     (there.empty() ? " none" : there));
+  }
+}
+
+BagReader::~BagReader() = default;
+
+size_t BagReader::imageCount() const { return impl_->images->size(); }
+const std::optional<PoseGaussian>& BagReader::initialPose() const { return impl_->initial_pose; }
+const Trajectory& BagReader::truth() const { return impl_->truth; }
+
+bool BagReader::next(LiveInput* input, std::string* problem) {
+  Impl& m = *impl_;
+  *input = {};
+  problem->clear();
+  if (m.image == m.images->end()) return false;
+  try {
+    const auto message = (*m.image).instantiate<sensor_msgs::Image>();
+    if (!message) throw InputError(m.file + ": " + m.topics.image + " is not a sensor_msgs/Image");
+    const ros::Time stamp = message->header.stamp;
+    input->time = stamp.toSec();
+    const std::string &odom = m.topics.odom_frame, &base = m.topics.base_frame;
+    if (!odom.empty() && m.transforms->canTransform(odom, base, stamp))
+      input->odometry =
+          fromMessage(m.transforms->lookupTransform(odom, base, stamp).transform, "odometry");
+    input->views.push_back(m.viewOf(message, (*m.image).getTime()));
+  } catch (const std::exception& e) {
+    *problem = e.what();
+  }
+  ++m.image;
+  return true;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,46 @@
+/// A recorded bag as input of the localizer, moment by moment, as fast as it is asked.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "edge_mcl/core/text_table.h"
+#include "edge_mcl/mrpt_plugins/live_localizer.h"
+
+namespace edge_mcl {
+
+/// Where things are in a bag; defaults are those of BagWriter.
+struct BagTopics {
+  std::string image = "/camera/image_raw";
+  std::string camera_info = "/camera/camera_info";
+  std::string mask = "/camera/mask";  ///< empty: masks are not used
+  std::string truth = "/ground_truth";
+  std::string initial_pose = "/initialpose";
+  std::string odom_frame = "odom";  ///< empty: odometry is not used
+  std::string base_frame = "base_link";
+};
+
+class BagReader {
+ public:
+  /// Reads transforms, calibration, truth and the initial pose of all of the bag.
+  /// @throws InputError when it is no bag, or has no image, calibration or mounting of the camera.
+  BagReader(const std::string& file, BagTopics topics);
+  ~BagReader();
+
+  size_t imageCount() const;
+  /// T_map_base as recorded; none where there is no such message.
+  const std::optional<PoseGaussian>& initialPose() const;
+  /// T_map_base.
+  const Trajectory& truth() const;
+  /// The next moment; masks are those of the image's stamp. A moment that cannot be read has no
+  /// views and says why. @return false at the end.
+  bool next(LiveInput* input, std::string* problem);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace edge_mcl
