@@ -174,7 +174,8 @@ int run(const LocalizeOptions& o) {
 
 void addLocalize(CLI::App* app, Action* action) {
   auto o = std::make_shared<LocalizeOptions>();
-  CLI::App* c = app->add_subcommand("localize", "track a recorded sequence or a ROS bag in its 3D model");
+  CLI::App* c =
+      app->add_subcommand("localize", "track a recorded sequence or a ROS bag in its 3D model");
   c->add_option("sequence", o->sequence,
                 "directory with rgb.txt, camera.yaml, sequence.yaml (see docs/sequences.md), or a "
                 "bag (see docs/ros.md)")

@@ -24,11 +24,13 @@ namespace {
 
 BagTopics parseTopics(const LocalizeOptions& o) {
   BagTopics topics;
-  std::map<std::string, std::string*> fields{
-      {"image", &topics.image},           {"camera_info", &topics.camera_info},
-      {"mask", &topics.mask},             {"truth", &topics.truth},
-      {"initialpose", &topics.initial_pose}, {"odom_frame", &topics.odom_frame},
-      {"base_frame", &topics.base_frame}};
+  std::map<std::string, std::string*> fields{{"image", &topics.image},
+                                             {"camera_info", &topics.camera_info},
+                                             {"mask", &topics.mask},
+                                             {"truth", &topics.truth},
+                                             {"initialpose", &topics.initial_pose},
+                                             {"odom_frame", &topics.odom_frame},
+                                             {"base_frame", &topics.base_frame}};
   std::istringstream list(o.topics);
   for (std::string entry; std::getline(list, entry, ',');) {
     const auto equals = entry.find('=');
@@ -64,8 +66,7 @@ PoseGaussian initialPose(const LocalizeOptions& o, const BagReader& bag) {
     throw InputError(o.sequence + ": no initial pose in it; give one with --initial-pose");
   }
   if (!o.initial_std.empty() || pose.covariance.isZero()) {
-    const auto [metres, radians] =
-        parseInitialStd(o.initial_std.empty() ? "0.1,3" : o.initial_std);
+    const auto [metres, radians] = parseInitialStd(o.initial_std.empty() ? "0.1,3" : o.initial_std);
     pose.covariance.setZero();
     pose.covariance.diagonal().head<3>().setConstant(metres * metres);
     pose.covariance.diagonal().tail<3>().setConstant(radians * radians);
@@ -84,8 +85,8 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time) {
           {"evidence_per_line", r.report.evidence_per_line},
           {"visible_lines", r.report.visible_lines},
           {"masked_share", r.masked_share},
-          {"update_ms", r.image_times.edges + r.image_times.field + r.image_times.table +
-                            r.report.total_ms},
+          {"update_ms",
+           r.image_times.edges + r.image_times.field + r.image_times.table + r.report.total_ms},
           {"covariance", std::vector<double>(c.data(), c.data() + 36)}};
 }
 

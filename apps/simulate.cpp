@@ -79,7 +79,9 @@ void addSimulate(CLI::App* app, Action* action) {
       "simulate", "fly a camera through a model: colour, depth, masks, odometry, IMU, truth");
   c->add_option("scenario", o->scenario, "YAML file: model, camera, path, objects, faults")
       ->required();
-  c->add_option("out", o->out, "sequence directory to write, or a file *.bag (ROS) or *.rawlog (MRPT)")->required();
+  c->add_option("out", o->out,
+                "sequence directory to write, or a file *.bag (ROS) or *.rawlog (MRPT)")
+      ->required();
   c->add_option("--seed", o->seed, "seed of all noise");
   c->add_option("--rate", o->rate, "images per second")->check(CLI::Range(0.1, 1000.0));
   c->add_option("--images", o->images, "stop after so many");

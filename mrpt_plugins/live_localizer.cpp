@@ -10,11 +10,16 @@ namespace edge_mcl {
 
 const char* nameOf(LocalizerState state) {
   switch (state) {
-    case LocalizerState::kUninitialized: return "uninitialized";
-    case LocalizerState::kConverging: return "converging";
-    case LocalizerState::kTracking: return "tracking";
-    case LocalizerState::kDegraded: return "degraded";
-    case LocalizerState::kLost: return "lost";
+    case LocalizerState::kUninitialized:
+      return "uninitialized";
+    case LocalizerState::kConverging:
+      return "converging";
+    case LocalizerState::kTracking:
+      return "tracking";
+    case LocalizerState::kDegraded:
+      return "degraded";
+    case LocalizerState::kLost:
+      return "lost";
   }
   return "?";
 }
@@ -83,8 +88,8 @@ std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result)
   std::string problem;
   for (const LiveInput::View& view : input.views) {
     if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
-      const double share = static_cast<double>(cv::countNonZero(view.mask)) /
-                           static_cast<double>(view.mask.total());
+      const double share =
+          static_cast<double>(cv::countNonZero(view.mask)) / static_cast<double>(view.mask.total());
       result->masked_share = std::max(result->masked_share, share);
       if (share > p.max_masked_share) {
         problem = view.origin + ": the mask leaves too little of the image";
@@ -137,9 +142,9 @@ void LiveLocalizer::judge(double time, bool trusted, bool used) {
   if (trusted) {
     const Twist variance = filter_.estimate().covariance.diagonal();
     const double degree = M_PI / 180;
-    const bool narrow = std::sqrt(variance.head<3>().maxCoeff()) < p.converged_std_position &&
-                        std::sqrt(variance.tail<3>().maxCoeff()) <
-                            p.converged_std_angle_deg * degree;
+    const bool narrow =
+        std::sqrt(variance.head<3>().maxCoeff()) < p.converged_std_position &&
+        std::sqrt(variance.tail<3>().maxCoeff()) < p.converged_std_angle_deg * degree;
     state_ = narrow ? LocalizerState::kTracking : LocalizerState::kConverging;
   } else if (time - *trusted_at_ >= p.lost_after) {
     state_ = LocalizerState::kLost;

@@ -34,11 +34,11 @@ struct LiveInput {
 /// What was made of it.
 struct LiveResult {
   LocalizerState state = LocalizerState::kUninitialized;
-  std::string problem;    ///< one line; empty: none
-  bool updated = false;   ///< the images were used
-  bool late = false;      ///< older than what was seen before; nothing was done
-  bool restarted = false; ///< the clock jumped back: began again at the initial pose
-  PoseGaussian estimate;  ///< T_map_base at the input's time
+  std::string problem;     ///< one line; empty: none
+  bool updated = false;    ///< the images were used
+  bool late = false;       ///< older than what was seen before; nothing was done
+  bool restarted = false;  ///< the clock jumped back: began again at the initial pose
+  PoseGaussian estimate;   ///< T_map_base at the input's time
   UpdateReport report;
   StageTimes image_times;
   double masked_share = 0;  ///< largest of the views

@@ -289,8 +289,8 @@ UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<Ca
   report.log_likelihood = at_estimate.log_likelihood;
   report.visible_samples = at_estimate.sample_weight;
   report.visible_lines = at_estimate.line_count;
-  report.evidence_per_line = scorePerLine(map.params().likelihood, at_estimate.log_likelihood,
-                                          at_estimate.line_count);
+  report.evidence_per_line =
+      scorePerLine(map.params().likelihood, at_estimate.log_likelihood, at_estimate.line_count);
   if (report.has_information) trackVelocity();
   report.total_ms = millisecondsSince(begin);
   return report;

@@ -22,7 +22,7 @@ struct UpdateReport {
   double log_likelihood = 0;  ///< of the estimate
   /// How much a line speaks for the estimate, mean: robust model: nats; paper: g of eq. (1).
   double evidence_per_line = 0;
-  int matched_samples = 0;    ///< with an image edge within reach, at the estimate
+  int matched_samples = 0;  ///< with an image edge within reach, at the estimate
   int used_samples = 0;
   int refined_modes = 0;         ///< poses that particles were drawn around
   int passes = 0;                ///< how often the image was used, with exponents below one

@@ -64,8 +64,7 @@ mrpt::obs::CSensoryFrame::Ptr sensoryFrameOf(const RecordedFrame& frame, const C
   image->cameraPose = toMrpt(T_base_camera);
   image->cameraParams = toMrpt(camera);
   image->image = mrpt::img::CImage(toGrey(frame.color, origin), mrpt::img::DEEP_COPY);
-  if (!frame.mask.empty())
-    image->ignore_mask = mrpt::img::CImage(frame.mask, mrpt::img::DEEP_COPY);
+  if (!frame.mask.empty()) image->ignore_mask = mrpt::img::CImage(frame.mask, mrpt::img::DEEP_COPY);
   auto sensory_frame = std::make_shared<mrpt::obs::CSensoryFrame>();
   sensory_frame->insert(image);
   if (frame.truth) {

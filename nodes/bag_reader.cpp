@@ -90,9 +90,10 @@ struct BagReader::Impl {
     std::string why;
     if (!transforms->canTransform(topics.base_frame, message->header.frame_id, ros::Time(0), &why))
       throw InputError(where + ": where is the camera on the robot? " + why);
-    view.T_base_camera =
-        fromMessage(transforms->lookupTransform(topics.base_frame, message->header.frame_id,
-                                                ros::Time(0)).transform, where);
+    view.T_base_camera = fromMessage(
+        transforms->lookupTransform(topics.base_frame, message->header.frame_id, ros::Time(0))
+            .transform,
+        where);
     return view;
   }
 };
@@ -119,8 +120,8 @@ BagReader::BagReader(const std::string& file, BagTopics topics) : impl_(std::mak
     rosbag::View all(m.bag);
     for (const rosbag::ConnectionInfo* c : all.getConnections())
       if (c->datatype == "sensor_msgs/Image") there += " " + c->topic;
-    throw InputError(file + ": no images on " + m.topics.image + "; topics with images:" +
-                     (there.empty() ? " none" : there));
+    throw InputError(file + ": no images on " + m.topics.image +
+                     "; topics with images:" + (there.empty() ? " none" : there));
   }
 }
 

@@ -50,14 +50,13 @@ struct BagWriter::Impl {
   template <class Message>
   void putLatched(const std::string& topic, const ros::Time& time, const Message& message) {
     namespace traits = ros::message_traits;
-    const auto connection =
-        boost::make_shared<ros::M_string>(ros::M_string{{"topic", "/" + topic},
-                                                        {"type", traits::datatype<Message>()},
-                                                        {"md5sum", traits::md5sum<Message>()},
-                                                        {"message_definition",
-                                                         traits::definition<Message>()},
-                                                        {"latching", "1"},
-                                                        {"callerid", "/edge_mcl"}});
+    const auto connection = boost::make_shared<ros::M_string>(
+        ros::M_string{{"topic", "/" + topic},
+                      {"type", traits::datatype<Message>()},
+                      {"md5sum", traits::md5sum<Message>()},
+                      {"message_definition", traits::definition<Message>()},
+                      {"latching", "1"},
+                      {"callerid", "/edge_mcl"}});
     try {
       bag.write("/" + topic, time, message, connection);
     } catch (const std::exception& e) {

@@ -50,8 +50,17 @@ LocalizerNode::~LocalizerNode() {
 
 void LocalizerNode::subscribe() {
   for (const std::string& name : params_.cameraNames())
-    cameras_.push_back({name, name.empty() ? "camera" : name, {}, {}, {}, nullptr,
-                        MaskMatcher(params_.use_masks, params_.mask_timeout), {}, {}, {}, {}});
+    cameras_.push_back({name,
+                        name.empty() ? "camera" : name,
+                        {},
+                        {},
+                        {},
+                        nullptr,
+                        MaskMatcher(params_.use_masks, params_.mask_timeout),
+                        {},
+                        {},
+                        {},
+                        {}});
   for (size_t i = 0; i < cameras_.size(); ++i) {
     Camera& camera = cameras_[i];
     const std::string prefix = camera.name.empty() ? "" : camera.name + "/";
@@ -67,14 +76,14 @@ void LocalizerNode::subscribe() {
               cameras_[i].info = info;
             }));
     if (params_.use_masks)
-      camera.mask_subscriber = transport_.subscribe(
-          prefix + "mask", 5,
-          boost::function<void(const sensor_msgs::ImageConstPtr&)>(
-              [this, i](const sensor_msgs::ImageConstPtr& mask) {
-                const std::lock_guard<std::mutex> lock(input_mutex_);
-                cameras_[i].matcher.addMask(mask);
-                input_ready_.notify_all();
-              }));
+      camera.mask_subscriber =
+          transport_.subscribe(prefix + "mask", 5,
+                               boost::function<void(const sensor_msgs::ImageConstPtr&)>(
+                                   [this, i](const sensor_msgs::ImageConstPtr& mask) {
+                                     const std::lock_guard<std::mutex> lock(input_mutex_);
+                                     cameras_[i].matcher.addMask(mask);
+                                     input_ready_.notify_all();
+                                   }));
   }
   // Carried over into the map at its own rate, whatever the localizer takes its odometry from.
   subscribers_.push_back(nh_.subscribe("odom", 50, &LocalizerNode::receiveOdometry, this));
@@ -99,10 +108,8 @@ void LocalizerNode::subscribe() {
   if (params_.save_pose_rate > 0)
     save_timer_ = nh_.createWallTimer(ros::WallDuration(1 / params_.save_pose_rate),
                                       [this](const ros::WallTimerEvent&) { savePose(); });
-  diagnostics_timer_ =
-      nh_.createWallTimer(ros::WallDuration(1), [this](const ros::WallTimerEvent&) {
-        diagnostics_.force_update();
-      });
+  diagnostics_timer_ = nh_.createWallTimer(
+      ros::WallDuration(1), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
 }
 
 void LocalizerNode::receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image) {
@@ -116,10 +123,10 @@ void LocalizerNode::receiveOdometry(const nav_msgs::OdometryConstPtr& odometry) 
   if (odometry_buffer_) {
     try {
       const Pose pose = fromMessage(odometry->pose.pose, "odometry");
-      odometry_buffer_->setTransform(toTransformStamped(pose, odometry->header.stamp,
-                                                        params_.odom_frame_id,
-                                                        params_.base_frame_id),
-                                     "odom");
+      odometry_buffer_->setTransform(
+          toTransformStamped(pose, odometry->header.stamp, params_.odom_frame_id,
+                             params_.base_frame_id),
+          "odom");
     } catch (const InputError& e) {
       ROS_WARN_THROTTLE(5, "%s, left out", e.what());
       return;
@@ -224,8 +231,7 @@ void LocalizerNode::savePose() {
   private_nh_.setParam("initial_pose_a", std::atan2(r(1, 0), r(0, 0)));
   const Matrix6 c = covarianceInMapAxes(pose);
   const char* axes[] = {"xx", "yy", "zz", "rr", "pp", "aa"};
-  for (int i = 0; i < 6; ++i)
-    private_nh_.setParam(std::string("initial_cov_") + axes[i], c(i, i));
+  for (int i = 0; i < 6; ++i) private_nh_.setParam(std::string("initial_cov_") + axes[i], c(i, i));
 }
 
 void LocalizerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

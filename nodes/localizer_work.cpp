@@ -13,7 +13,7 @@ namespace edge_mcl {
 
 /// Images that belong together.
 struct LocalizerNode::Moment {
-  ros::Time stamp;  ///< of the first camera's image
+  ros::Time stamp;                                         ///< of the first camera's image
   std::vector<std::optional<MaskMatcher::Match>> matches;  ///< by camera
   std::vector<sensor_msgs::CameraInfoConstPtr> infos;
   uint32_t received = 0, dropped = 0;
@@ -44,9 +44,8 @@ std::optional<LocalizerNode::Moment> LocalizerNode::nextMoment() {
   moment.stamp = fresh->image->header.stamp;
   cameras_.front().match = fresh;
   const auto inWindow = [&](const Camera& camera) {
-    return camera.match &&
-           std::abs((camera.match->image->header.stamp - moment.stamp).toSec()) <=
-               params_.camera_window;
+    return camera.match && std::abs((camera.match->image->header.stamp - moment.stamp).toSec()) <=
+                               params_.camera_window;
   };
   // Images of one moment do not come at one moment.
   const double until = now + params_.camera_window;
@@ -82,8 +81,9 @@ std::optional<Pose> LocalizerNode::odometryAt(const ros::Time& stamp, std::strin
       odometry_missing_ = 0;
       return fromMessage(buffer.lookupTransform(odom, base, stamp).transform, "odometry");
     }
-    const bool newer_is_there = buffer.canTransform(odom, base, ros::Time(0)) &&
-                                buffer.lookupTransform(odom, base, ros::Time(0)).header.stamp > stamp;
+    const bool newer_is_there =
+        buffer.canTransform(odom, base, ros::Time(0)) &&
+        buffer.lookupTransform(odom, base, ros::Time(0)).header.stamp > stamp;
     if (newer_is_there || ros::WallTime::now() >= until) break;
     ros::WallDuration(0.002).sleep();
   }
@@ -171,8 +171,8 @@ void LocalizerNode::process(const Moment& moment) {
   context.images_received = moment.received;
   context.images_dropped = moment.dropped;
   context.updates = updates_;
-  context.update_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
-                                                                begin).count();
+  context.update_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   if (result.restarted) ROS_WARN("%s", result.problem.c_str());
   if (!result.problem.empty())
     ROS_WARN_THROTTLE(5, "%s: %s", nameOf(result.state), result.problem.c_str());

@@ -36,7 +36,7 @@ class MaskMatcher {
   };
   bool use_masks_;
   double timeout_;
-  std::deque<Waiting> images_;                  // in order of arrival
+  std::deque<Waiting> images_;                    // in order of arrival
   std::deque<sensor_msgs::ImageConstPtr> masks_;  // likewise
   sensor_msgs::ImageConstPtr last_mask_;
   size_t dropped_ = 0;

@@ -15,8 +15,8 @@ cv::Mat turnMask(const cv::Mat& mask, const CameraModel& camera,
   const cv::Matx33d homography(h(0, 0), h(0, 1), h(0, 2), h(1, 0), h(1, 1), h(1, 2), h(2, 0),
                                h(2, 1), h(2, 2));
   cv::Mat turned;
-  cv::warpPerspective(mask, turned, homography, mask.size(), cv::INTER_NEAREST,
-                      cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::warpPerspective(mask, turned, homography, mask.size(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
+                      cv::Scalar(0));
   return turned;
 }
 

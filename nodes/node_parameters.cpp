@@ -16,16 +16,21 @@ std::string textOf(const XmlRpc::XmlRpcValue& value) {
   using Value = XmlRpc::XmlRpcValue;
   Value copy = value;
   switch (copy.getType()) {
-    case Value::TypeBoolean: return static_cast<bool>(copy) ? "true" : "false";
-    case Value::TypeInt: return std::to_string(static_cast<int>(copy));
-    case Value::TypeDouble: return parameter_text::toText(static_cast<double>(copy));
-    case Value::TypeString: return static_cast<std::string>(copy);
+    case Value::TypeBoolean:
+      return static_cast<bool>(copy) ? "true" : "false";
+    case Value::TypeInt:
+      return std::to_string(static_cast<int>(copy));
+    case Value::TypeDouble:
+      return parameter_text::toText(static_cast<double>(copy));
+    case Value::TypeString:
+      return static_cast<std::string>(copy);
     case Value::TypeArray: {
       std::string list;
       for (int i = 0; i < copy.size(); ++i) list += (i > 0 ? "," : "") + textOf(copy[i]);
       return list;
     }
-    default: return "(not a plain value)";
+    default:
+      return "(not a plain value)";
   }
 }
 
@@ -41,7 +46,8 @@ std::string trySet(const std::string& name, const std::string& value, NodeParame
     if (parameter_text::fromText(value, &parsed))
       field = parsed;
     else
-      fault = "parameter '" + name + "': '" + value + "' is not " + parameter_text::typeName(parsed);
+      fault =
+          "parameter '" + name + "': '" + value + "' is not " + parameter_text::typeName(parsed);
   });
   return fault;
 }
@@ -106,7 +112,8 @@ std::vector<std::string> NodeParameters::cameraNames() const {
 void applyParameters(const std::map<std::string, std::string>& values, NodeParameters* node,
                      Parameters* method) {
   std::vector<std::string> all_names;
-  node->visit([&](const char* name, auto&, const char*, const char*) { all_names.push_back(name); });
+  node->visit(
+      [&](const char* name, auto&, const char*, const char*) { all_names.push_back(name); });
   for (const auto& d : method->describe()) {
     std::string name = d.name;
     name[name.find('.')] = '/';

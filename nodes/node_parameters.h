@@ -53,10 +53,12 @@ struct NodeParameters {
     v("mask_policy", mask_policy, "",
       "without a mask in time: unmasked, skip_update, or use_last (turned with the camera)");
     v("max_cloud_poses", max_cloud_poses, "", "poses in particlecloud at most");
-    v("save_pose_rate", save_pose_rate, "Hz", "how often the pose is stored in initial_pose_*; 0 = never");
+    v("save_pose_rate", save_pose_rate, "Hz",
+      "how often the pose is stored in initial_pose_*; 0 = never");
     v("update_min_d", update_min_d, "m", "motion before images are used again; 0 = all are used");
     v("update_min_a", update_min_a, "rad", "likewise, rotation");
-    v("initial_pose_x", initial_pose_x, "m", "where to begin; without any of these, wait for initialpose");
+    v("initial_pose_x", initial_pose_x, "m",
+      "where to begin; without any of these, wait for initialpose");
     v("initial_pose_y", initial_pose_y, "m", "");
     v("initial_pose_z", initial_pose_z, "m", "");
     v("initial_pose_roll", initial_pose_roll, "rad", "");

@@ -137,8 +137,9 @@ sensor_msgs::CameraInfo toCameraInfo(const CameraModel& camera, const ros::Time&
   message.distortion_model = fisheye    ? sensor_msgs::distortion_models::EQUIDISTANT
                              : rational ? sensor_msgs::distortion_models::RATIONAL_POLYNOMIAL
                                         : sensor_msgs::distortion_models::PLUMB_BOB;
-  message.D.assign(camera.coefficients.begin(),
-                   camera.coefficients.begin() + (fisheye ? 4 : rational ? 8 : 5));
+  message.D.assign(camera.coefficients.begin(), camera.coefficients.begin() + (fisheye    ? 4
+                                                                               : rational ? 8
+                                                                                          : 5));
   return message;
 }
 

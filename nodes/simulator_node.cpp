@@ -45,7 +45,8 @@ SimulatorParameters readParameters(const ros::NodeHandle& private_nh) {
                   parameter_text::typeName(field) + "; ";
     });
     if (!known)
-      faults += "unknown parameter '~" + name + "' (nearest: '~" + nearestName(name, names) + "'); ";
+      faults +=
+          "unknown parameter '~" + name + "' (nearest: '~" + nearestName(name, names) + "'); ";
   }
   if (params.scenario.empty()) faults += "~scenario is not set; ";
   if (!(params.speed >= 0)) faults += "~speed must be zero or more; ";
@@ -86,11 +87,12 @@ SimulatorNode::SimulatorNode(ros::NodeHandle nh, ros::NodeHandle private_nh) : n
   initial_pose_ =
       nh_.advertise<geometry_msgs::PoseWithCovarianceStamped>(topics::kInitialPose, 1, true);
   command_subscriber_ = nh_.subscribe<geometry_msgs::Twist>(
-      "cmd_vel", 5, boost::function<void(const geometry_msgs::TwistConstPtr&)>(
-                        [this](const geometry_msgs::TwistConstPtr& twist) {
-                          const std::lock_guard<std::mutex> lock(command_mutex_);
-                          command_ = *twist;
-                        }));
+      "cmd_vel", 5,
+      boost::function<void(const geometry_msgs::TwistConstPtr&)>(
+          [this](const geometry_msgs::TwistConstPtr& twist) {
+            const std::lock_guard<std::mutex> lock(command_mutex_);
+            command_ = *twist;
+          }));
 }
 
 double SimulatorNode::endTime() const {
@@ -136,8 +138,7 @@ void SimulatorNode::advanceTo(double time) {
       }
       if (command) {
         try {
-          flight_->command(imu_time_,
-                           {command->linear.x, command->linear.y, command->linear.z},
+          flight_->command(imu_time_, {command->linear.x, command->linear.y, command->linear.z},
                            command->angular.z);
         } catch (const InputError& e) {
           ROS_WARN_THROTTLE(5, "cmd_vel is not used: %s", e.what());
@@ -151,16 +152,15 @@ void SimulatorNode::advanceTo(double time) {
       acceleration = s.path.acceleration(imu_time_);
     }
     if (!s.path_is_of_camera)
-      imu_publisher_.publish(toImu(
-          imu_->read(imu_time_, bodyAt(imu_time_).linear(), turn, acceleration),
-          stampOf(imu_time_), messages_->frames().base));
+      imu_publisher_.publish(
+          toImu(imu_->read(imu_time_, bodyAt(imu_time_).linear(), turn, acceleration),
+                stampOf(imu_time_), messages_->frames().base));
   }
 }
 
 void SimulatorNode::publishImage(double time) {
-  const bool wanted = image_.getNumSubscribers() + depth_.getNumSubscribers() +
-                          mask_.getNumSubscribers() >
-                      0;
+  const bool wanted =
+      image_.getNumSubscribers() + depth_.getNumSubscribers() + mask_.getNumSubscribers() > 0;
   const Pose camera = bodyAt(time) * simulator_->scenario().T_body_camera();
   const ros::Time stamp = stampOf(time);
   RecordedFrame frame;

@@ -79,10 +79,10 @@ Pose FlightPath::at(double time) const {
     pose.linear() = q.normalized().toRotationMatrix();
     return pose;
   }
-  pose.linear() = attitudeFor(attitude_ == Attitude::kTilted
-                                  ? acceleration(time)
-                                  : Eigen::Vector3d(Eigen::Vector3d::Zero()),
-                              channels_[3].at(time));
+  pose.linear() =
+      attitudeFor(attitude_ == Attitude::kTilted ? acceleration(time)
+                                                 : Eigen::Vector3d(Eigen::Vector3d::Zero()),
+                  channels_[3].at(time));
   return pose;
 }
 

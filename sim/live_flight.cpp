@@ -21,9 +21,8 @@ Eigen::Vector3d limited(const Eigen::Vector3d& v, double most) {
 
 }  // namespace
 
-LiveFlight::LiveFlight(
-    const Pose& start, const FlightResponse& response,
-    std::function<bool(const Eigen::Vector3d&, const Eigen::Vector3d&)> isFree)
+LiveFlight::LiveFlight(const Pose& start, const FlightResponse& response,
+                       std::function<bool(const Eigen::Vector3d&, const Eigen::Vector3d&)> isFree)
     : response_(response), isFree_(std::move(isFree)), position_(start.translation()) {
   const Eigen::Vector3d forward = start.linear().col(0);
   yaw_ = std::atan2(forward.y(), forward.x());
@@ -51,13 +50,13 @@ bool LiveFlight::advance(double time) {
     const double dt = std::min(kStep, time - time_);
     time_ = time - time_ <= kStep ? time : time_ + kStep;
     const bool hover = time_ - commanded_at_ > response_.command_timeout;
-    yaw_rate_ += shareReached(dt, response_.attitude_time) *
-                 ((hover ? 0 : wanted_yaw_rate_) - yaw_rate_);
+    yaw_rate_ +=
+        shareReached(dt, response_.attitude_time) * ((hover ? 0 : wanted_yaw_rate_) - yaw_rate_);
     yaw_ += yaw_rate_ * dt;
     const Eigen::Vector3d wanted =
-        hover ? Eigen::Vector3d(Eigen::Vector3d::Zero())
-              : Eigen::Vector3d(Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()) *
-                                wanted_velocity_);
+        hover
+            ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+            : Eigen::Vector3d(Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()) * wanted_velocity_);
     const Eigen::Vector3d asked =
         limited((wanted - velocity_) / response_.velocity_time, response_.max_acceleration);
     acceleration_ += shareReached(dt, response_.attitude_time) * (asked - acceleration_);

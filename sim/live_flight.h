@@ -9,12 +9,12 @@ namespace edge_mcl {
 
 /// How it answers to commands.
 struct FlightResponse {
-  double max_speed = 2;           ///< m/s
-  double max_acceleration = 3;    ///< m/s^2
-  double max_yaw_rate = 1.5;      ///< rad/s
-  double velocity_time = 0.4;     ///< s, in which two thirds of a change of velocity are reached
-  double attitude_time = 0.1;     ///< s, in which two thirds of a tilt are reached
-  double command_timeout = 0.5;   ///< s without a command before it hovers
+  double max_speed = 2;          ///< m/s
+  double max_acceleration = 3;   ///< m/s^2
+  double max_yaw_rate = 1.5;     ///< rad/s
+  double velocity_time = 0.4;    ///< s, in which two thirds of a change of velocity are reached
+  double attitude_time = 0.1;    ///< s, in which two thirds of a tilt are reached
+  double command_timeout = 0.5;  ///< s without a command before it hovers
 };
 
 /// Position and velocity, with an acceleration that lags behind what the command asks for; the

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "edge_mcl/mrpt_plugins/random_source.h"
 #include "support/scenes.h"
@@ -114,6 +116,73 @@ TEST_P(EveryDistortion, ObjectsBeginWhereTheyAreProjected) {
         EXPECT_EQ(objectAt(in), number + 1) << side << " " << t;
       }
       EXPECT_EQ(objectAt(out), 0) << side << " " << t;
+    }
+}
+
+/// y = a + b t + c t^2 through points, by least squares.
+Eigen::Vector3d parabolaThrough(const std::vector<Eigen::Vector2d>& points) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector2d& p : points) {
+    const Eigen::Vector3d row(1, p.x(), p.x() * p.x());
+    normal += row * row.transpose();
+    right += row * p.y();
+  }
+  return normal.ldlt().solve(right);
+}
+
+/// Corners as a picture shows them: the sides' borders to sub-pixels, by coverage, as parabolas
+/// (distortion bends them), intersected.
+TEST_P(EveryDistortion, RenderedCornersAreWhereTheyAreProjected) {
+  MeshSoup room, square;
+  test::addBox(&room, {-5, -5, -5}, {5, 5, 5}, 0, true);
+  room.material_colors = {Eigen::Vector3f::Zero()};
+  square.vertices = {{-0.8f, -0.6f, 0}, {0.8f, -0.6f, 0}, {0.8f, 0.6f, 0}, {-0.8f, 0.6f, 0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  square.triangle_material = {0, 0};
+  square.material_colors = {Eigen::Vector3f::Ones()};
+  Scene scene(weldMesh(std::move(room), 1e-6, "room"));
+  const size_t number = scene.addObject(weldMesh(std::move(square), 1e-6, "square"));
+  const Pose placed = Pose(Eigen::Translation3d(0.02, -0.01, 1.6)) *
+                      Eigen::AngleAxisd(0.15, Eigen::Vector3d(0.5, 1, 0.4).normalized());
+  scene.place(number, placed);
+  scene.commit();
+  Lighting even;
+  even.ambient = 0.8;
+  even.lamps = {{0, 0, 100}};  // behind the square: every pixel of it is as bright
+  const CameraModel camera = cameraWith(GetParam(), 640, 480);
+  const RenderedImage image = Renderer(scene, camera, even).render(Pose::Identity());
+  const double full = image.color.at<cv::Vec3b>(240, 320)[1];
+  const auto coverage = [&](int x, int y) { return image.color.at<cv::Vec3b>(y, x)[1] / full; };
+  for (const double right : {-1.0, 1.0})
+    for (const double down : {-1.0, 1.0}) {
+      Eigen::Vector2d corner;
+      ASSERT_TRUE(camera.project(placed * Eigen::Vector3d(0.8 * right, 0.6 * down, 0), &corner));
+      const auto cx = static_cast<int>(corner.x()), cy = static_cast<int>(corner.y());
+      ASSERT_TRUE(cx > 15 && cy > 15 && cx < 624 && cy < 464);
+      std::vector<Eigen::Vector2d> horizontal, vertical;  // from (cx, cy): along, across
+      for (int k = 4; k < 30; ++k) {
+        const int x = cx - static_cast<int>(right) * k, y = cy - static_cast<int>(down) * k;
+        double below = 0, beside = 0;  // covered lengths within ten pixels
+        for (int j = -10; j <= 10; ++j) {
+          below += coverage(x, cy + j);
+          beside += coverage(cx + j, y);
+        }
+        // Covered from the border to the window's end on the square's side.
+        horizontal.emplace_back(x - cx, down * (below - 10.5));
+        vertical.emplace_back(y - cy, right * (beside - 10.5));
+      }
+      const Eigen::Vector3d h = parabolaThrough(horizontal), v = parabolaThrough(vertical);
+      Eigen::Vector2d found(0, 0);
+      for (int i = 0; i < 20; ++i) {
+        found.y() = h[0] + found.x() * (h[1] + found.x() * h[2]);
+        found.x() = v[0] + found.y() * (v[1] + found.y() * v[2]);
+      }
+      // Half a pixel is asked for. Rays on a grid of quarters show a border to an eighth of a
+      // pixel, which along a side that follows the pixels is the same everywhere; four pixels
+      // outside its points a parabola is off by up to twice that, on two sides: 0.35.
+      found += Eigen::Vector2d(cx, cy);
+      EXPECT_LT((found - corner).norm(), 0.35) << right << " " << down;
     }
 }
 

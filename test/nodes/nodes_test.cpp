@@ -1,0 +1,274 @@
+#include <gtest/gtest.h>
+#include <ros/time.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/nodes/mask_matcher.h"
+#include "edge_mcl/nodes/mask_motion.h"
+#include "edge_mcl/nodes/node_parameters.h"
+#include "edge_mcl/nodes/particle_file.h"
+#include "edge_mcl/nodes/ros_conversions.h"
+
+namespace edge_mcl {
+namespace {
+
+Pose randomPose(std::mt19937* random) {
+  std::normal_distribution<double> normal;
+  Twist xi;
+  for (int i = 0; i < 6; ++i) xi[i] = normal(*random);
+  return expSe3(xi);
+}
+
+sensor_msgs::ImagePtr stamped(double seconds) {
+  auto image = boost::make_shared<sensor_msgs::Image>();
+  image->header.stamp = ros::Time(seconds);
+  return image;
+}
+
+TEST(RosConversions, PosesComeBack) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 100; ++i) {
+    const Pose pose = randomPose(&random);
+    EXPECT_TRUE(fromMessage(toPoseMessage(pose), "").isApprox(pose, 1e-12));
+    EXPECT_TRUE(fromMessage(toTransformMessage(pose), "").isApprox(pose, 1e-12));
+  }
+}
+
+/// The message's covariance is that of position and fixed-axis rotation in the map: compared with
+/// the sample covariance of many poses, whose rotations are small enough for the first order.
+TEST(RosConversions, CovarianceIsInMapAxes) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  PoseGaussian gaussian;
+  gaussian.mean = randomPose(&random);
+  Matrix6 root = Matrix6::Zero();
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c <= r; ++c) root(r, c) = 0.01 * normal(random);
+  gaussian.covariance = root * root.transpose();
+  constexpr int kSamples = 20000;
+  Matrix6 sampled = Matrix6::Zero();
+  for (int i = 0; i < kSamples; ++i) {
+    Twist white;
+    for (int k = 0; k < 6; ++k) white[k] = normal(random);
+    const Pose pose = gaussian.mean * expSe3(root * white);
+    Twist difference;
+    difference << pose.translation() - gaussian.mean.translation(),
+        logSo3(pose.linear() * gaussian.mean.linear().transpose());
+    sampled += difference * difference.transpose() / kSamples;
+  }
+  const geometry_msgs::PoseWithCovariance message = toPoseMessage(gaussian);
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 6; ++c) {
+      // Four standard errors of a sample covariance, and the second order (0.03 rad squared).
+      const double error = 4 * std::sqrt(2.0 / kSamples * sampled(r, r) * sampled(c, c));
+      EXPECT_NEAR(message.covariance[6 * r + c], sampled(r, c),
+                  error + 1e-3 * std::sqrt(sampled(r, r) * sampled(c, c)));
+    }
+  EXPECT_TRUE(fromMessage(message, "").covariance.isApprox(gaussian.covariance, 1e-9));
+}
+
+TEST(RosConversions, BadPosesAreRefused) {
+  geometry_msgs::PoseWithCovariance message = toPoseMessage(PoseGaussian());
+  auto bad = message;
+  bad.pose.position.y = NAN;
+  EXPECT_THROW(fromMessage(bad, "x"), InputError);
+  bad = message;
+  bad.pose.orientation.w = 0;
+  EXPECT_THROW(fromMessage(bad, "x"), InputError);
+  bad = message;
+  bad.covariance[0] = -1;
+  EXPECT_THROW(fromMessage(bad, "x"), InputError);
+  bad = message;
+  bad.covariance[1] = 1;
+  EXPECT_THROW(fromMessage(bad, "x"), InputError);
+  EXPECT_NO_THROW(fromMessage(message, "x"));
+}
+
+TEST(RosConversions, CameraComesBack) {
+  for (const DistortionModel distortion :
+       {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial,
+        DistortionModel::kEquidistant}) {
+    CameraModel camera;
+    camera.width = 640;
+    camera.height = 480;
+    camera.fx = 500;
+    camera.fy = 510;
+    camera.cx = 320;
+    camera.cy = 241;
+    camera.distortion = distortion;
+    camera.coefficients = {0.01, -0.002, 0.0003, 0.0004, 0, 0, 0, 0};
+    const CameraModel back = fromMessage(toCameraInfo(camera, ros::Time(1), "c"), "");
+    EXPECT_EQ(back.distortion, distortion);
+    EXPECT_EQ(back.coefficients, camera.coefficients);
+    EXPECT_EQ(back.fy, camera.fy);
+    EXPECT_EQ(back.cx, camera.cx);
+  }
+}
+
+/// Every encoding that robots send gives the picture it was made from.
+TEST(RosConversions, ImageEncodings) {
+  const cv::Mat grey(8, 10, CV_8U, cv::Scalar(90)), color(8, 10, CV_8UC3, cv::Scalar(10, 90, 200)),
+      deep(8, 10, CV_16U, cv::Scalar(90 * 257)),
+      alpha(8, 10, CV_8UC4, cv::Scalar(10, 90, 200, 255));
+  const auto read = [](const cv::Mat& image, const char* encoding) {
+    return fromMessage(toImage(image, encoding, ros::Time(1), ""), "test");
+  };
+  EXPECT_EQ(read(grey, "mono8").at<uint8_t>(3, 3), 90);
+  EXPECT_EQ(read(color, "bgr8").at<cv::Vec3b>(3, 3), cv::Vec3b(10, 90, 200));
+  EXPECT_EQ(read(color, "rgb8").at<cv::Vec3b>(3, 3), cv::Vec3b(200, 90, 10));
+  EXPECT_EQ(read(alpha, "bgra8").at<cv::Vec3b>(3, 3), cv::Vec3b(10, 90, 200));
+  EXPECT_EQ(read(deep, "mono16").at<uint16_t>(3, 3), 90 * 257);
+  // The pixels of common encodings are not copied.
+  const sensor_msgs::ImagePtr message = toImage(color, "bgr8", ros::Time(1), "");
+  EXPECT_EQ(fromMessage(message, "").data, message->data.data());
+  EXPECT_EQ(maskFromMessage(toImage(grey, "mono8", ros::Time(1), ""), "").at<uint8_t>(0, 0), 90);
+  EXPECT_THROW(maskFromMessage(message, ""), InputError);
+}
+
+TEST(MaskMatcher, WithoutMasksTheNewestImageWins) {
+  MaskMatcher matcher(false, 1);
+  EXPECT_FALSE(matcher.take(0));
+  for (int i = 1; i <= 3; ++i) matcher.addImage(stamped(i), 0);
+  EXPECT_EQ(matcher.take(0)->image->header.stamp.toSec(), 3);
+  EXPECT_FALSE(matcher.take(0));
+  EXPECT_EQ(matcher.dropped(), 2u);
+}
+
+TEST(MaskMatcher, ImagesWaitForTheirMasks) {
+  MaskMatcher matcher(true, 0.5);
+  for (int i = 1; i <= 3; ++i) matcher.addImage(stamped(i), 0.1 * i);
+  EXPECT_FALSE(matcher.take(0.4));
+  matcher.addMask(stamped(2));
+  const auto second = matcher.take(0.4);
+  ASSERT_TRUE(second && second->mask);
+  EXPECT_EQ(second->image->header.stamp.toSec(), 2);
+  EXPECT_EQ(matcher.dropped(), 1u);
+  EXPECT_FALSE(matcher.take(0.79));
+  const auto third = matcher.take(0.81);  // waited for half a second
+  ASSERT_TRUE(third);
+  EXPECT_FALSE(third->mask);
+  // A mask may come before its image.
+  matcher.addMask(stamped(4));
+  matcher.addImage(stamped(4), 1);
+  EXPECT_TRUE(matcher.take(1)->mask);
+}
+
+TEST(MaskMatcher, ForgetsWhatWaitsWhenTheClockJumpsBack) {
+  MaskMatcher matcher(true, 0.5);
+  matcher.addImage(stamped(100), 0);
+  matcher.addImage(stamped(10), 0.1);
+  const auto match = matcher.take(0.7);
+  ASSERT_TRUE(match);
+  EXPECT_EQ(match->image->header.stamp.toSec(), 10);
+  EXPECT_FALSE(matcher.take(10));
+}
+
+TEST(MaskMatcher, DoesNotGrow) {
+  MaskMatcher matcher(true, 1e9);
+  for (int i = 1; i < 10000; ++i) matcher.addImage(stamped(i), i);
+  EXPECT_GT(matcher.dropped(), 9900u);
+}
+
+/// A turned mask covers where the rays of its pixels are seen after the turn.
+TEST(MaskMotion, FollowsTheRays) {
+  CameraModel camera;
+  camera.width = 320;
+  camera.height = 240;
+  camera.fx = camera.fy = 220;
+  camera.cx = 160;
+  camera.cy = 120;
+  camera.validate("");
+  cv::Mat mask = cv::Mat::zeros(240, 320, CV_8U);
+  mask(cv::Rect(150, 100, 40, 30)).setTo(255);
+  const Eigen::Matrix3d turn = expSo3({0.05, -0.12, 0.08});
+  const cv::Mat turned = turnMask(mask, camera, turn);
+  int checked = 0;
+  for (int y = 0; y < 240; y += 3)
+    for (int x = 0; x < 320; x += 3) {
+      const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
+      Eigen::Vector2d then;
+      ASSERT_TRUE(camera.project(turn.transpose() * ray, &then));
+      // One pixel inside or outside of the border, where rounding decides nothing.
+      const double in = std::min({then.x() - 150, 189 - then.x(), then.y() - 100, 129 - then.y()});
+      if (std::abs(in) < 1) continue;
+      EXPECT_EQ(turned.at<uint8_t>(y, x) > 0, in > 0) << x << " " << y;
+      ++checked;
+    }
+  EXPECT_GT(checked, 5000);
+}
+
+TEST(NodeParameters, BothKindsByName) {
+  NodeParameters node;
+  Parameters method;
+  applyParameters({{"model_file", "a.obj"},
+                   {"filter/particles", "77"},
+                   {"update_min_a", "0.5"},
+                   {"cameras", "front,left"},
+                   {"initial_pose_a", "1.5"}},
+                  &node, &method);
+  EXPECT_EQ(method.filter.particles, 77);
+  EXPECT_NEAR(method.tracking.update_min_a_deg, 0.5 * 180 / M_PI, 1e-9);
+  EXPECT_EQ(node.cameraNames(), (std::vector<std::string>{"front", "left"}));
+  EXPECT_TRUE(node.has_initial_pose);
+  EXPECT_TRUE(node.initialPose().mean.linear().isApprox(
+      Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitZ()).toRotationMatrix()));
+}
+
+TEST(NodeParameters, AllFaultsAtOnce) {
+  NodeParameters node;
+  Parameters method;
+  try {
+    applyParameters({{"model_fil", "a.obj"},
+                     {"filter/particels", "3"},
+                     {"mask_policy", "perhaps"},
+                     {"likelihood/sigma", "-1"},
+                     {"transform_tolerance", "soon"}},
+                    &node, &method);
+    FAIL() << "accepted";
+  } catch (const ParameterError& e) {
+    const std::string text = e.what();
+    for (const char* part :
+         {"~model_file'", "~filter/particles'", "perhaps", "likelihood.sigma", "'soon'"})
+      EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+  }
+}
+
+/// The documentation lists every parameter of the node.
+TEST(NodeParameters, AreDocumented) {
+  std::ifstream in(EDGE_MCL_DOCS "/ros.md");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  NodeParameters node;
+  node.visit([&](const char* name, auto&, const char*, const char*) {
+    EXPECT_NE(text.find(std::string("`") + name + "`"), std::string::npos) << name;
+  });
+}
+
+TEST(ParticleFile, ComesBack) {
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("edge_mcl_particles_" + std::to_string(getpid())))
+          .string();
+  std::mt19937 random(3);
+  ParticleSet particles;
+  for (int i = 0; i < 50; ++i) {
+    particles.poses.push_back(randomPose(&random));
+    particles.log_weights.push_back(-i / 7.0);
+  }
+  writeParticles(file, particles);
+  const ParticleSet back = readParticles(file);
+  ASSERT_EQ(back.poses.size(), 50u);
+  for (int i = 0; i < 50; ++i) {
+    // Written with nine decimals.
+    EXPECT_TRUE(back.poses[i].isApprox(particles.poses[i], 1e-8));
+    EXPECT_DOUBLE_EQ(back.log_weights[i], particles.log_weights[i]);
+  }
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace edge_mcl
