@@ -1,5 +1,6 @@
 // edge-mcl bag, edge-mcl rawlog: a sequence directory as a ROS bag or an MRPT rawlog.
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 
@@ -19,16 +20,10 @@ struct ConvertOptions {
   ParameterOptions parameters;
 };
 
-/// The depth image nearest to a frame's time, within half the time to the next frame.
-cv::Mat depthAt(const Sequence& sequence, double time) {
-  constexpr double kSameTime = 0.02;  // seconds; a depth camera of its own clock
-  const StampedFile* nearest = nullptr;
-  for (const StampedFile& d : sequence.depths)
-    if (!nearest || std::abs(d.time - time) < std::abs(nearest->time - time)) nearest = &d;
-  if (!nearest || std::abs(nearest->time - time) > kSameTime) return {};
-  const cv::Mat depth = cv::imread(nearest->file, cv::IMREAD_UNCHANGED);
+cv::Mat readDepth(const std::string& file) {
+  cv::Mat depth = cv::imread(file, cv::IMREAD_UNCHANGED);
   if (depth.empty() || depth.type() != CV_16UC1)
-    throw InputError(nearest->file + ": missing or not a 16-bit depth image");
+    throw InputError(file + ": missing or not a 16-bit depth image");
   return depth;
 }
 
@@ -43,23 +38,43 @@ int run(const ConvertOptions& o) {
       recorderForFile(o.out, setupOf(sequence, T_base_camera), params.filter);
   if (!recorder) throw InputError(o.out + ": the name must end in " + o.ending);
   ProgressBar bar("convert", sequence.frames.size());
+  auto depth = sequence.depths.begin();
+  size_t left_out = 0;
+  const auto leaveOut = [&](const InputError& e) {
+    bar.note(std::string("warning: ") + e.what() + ", left out");
+    ++left_out;
+  };
+  // Depth images have stamps of their own.
+  const auto writeDepthUntil = [&](double time) {
+    for (; depth != sequence.depths.end() && depth->time <= time; ++depth) {
+      cv::Mat image;
+      try {
+        image = readDepth(depth->file);
+      } catch (const InputError& e) {
+        leaveOut(e);
+        continue;
+      }
+      recorder->writeDepth(depth->time, image);
+    }
+  };
   for (const SequenceFrame& frame : sequence.frames) {
     bar.advance();
     RecordedFrame loaded;
     try {
       loaded = loadFrame(sequence, frame);
-      if (o.no_mask) loaded.mask.release();
-      if (!sequence.depths.empty()) loaded.depth = depthAt(sequence, frame.time);
     } catch (const InputError& e) {
-      bar.note(std::string("warning: ") + e.what() + ", left out");
+      leaveOut(e);
       continue;
     }
+    if (o.no_mask) loaded.mask.release();
     recorder->write(loaded);
+    writeDepthUntil(frame.time);
   }
+  writeDepthUntil(std::numeric_limits<double>::infinity());
   recorder->close();
   std::printf("%s: %zu images of %s, base frame: %s\n", o.out.c_str(), recorder->count(),
               sequence.name.c_str(), o.base.c_str());
-  return recorder->count() == sequence.frames.size() ? kExitOk : kExitIncomplete;
+  return left_out == 0 ? kExitOk : kExitIncomplete;
 }
 
 void add(CLI::App* app, Action* action, const char* name, const char* ending,

@@ -45,7 +45,9 @@ class Recorder {
   virtual ~Recorder() = default;
   /// Times must increase.
   virtual void write(const RecordedFrame& frame) = 0;
-  /// Ignored by formats that have no place for it.
+  /// A depth image with a time of its own. It and the IMU are ignored by formats that have no place
+  /// for them.
+  virtual void writeDepth(double, const cv::Mat&) {}
   virtual void writeImu(const std::vector<ImuReading>& readings) = 0;
   /// Completes the recording; nothing may be written afterwards.
   virtual void close() = 0;

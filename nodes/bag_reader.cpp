@@ -72,8 +72,7 @@ struct BagReader::Impl {
       ++mask;
     }
     const auto found = waiting_masks.find(stamp);
-    const sensor_msgs::ImageConstPtr result =
-        found == waiting_masks.end() ? nullptr : found->second;
+    sensor_msgs::ImageConstPtr result = found == waiting_masks.end() ? nullptr : found->second;
     waiting_masks.erase(waiting_masks.begin(), waiting_masks.upper_bound(stamp));
     return result;
   }

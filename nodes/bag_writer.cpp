@@ -29,7 +29,7 @@ struct BagWriter::Impl {
   ros::Time timeOf(double seconds) {
     constexpr double kEarliest = 1;
     if (!offset) offset = seconds < kEarliest ? kEarliest : 0;
-    if (!(seconds + *offset >= kEarliest))
+    if (!(seconds + *offset > 0))
       throw InputError(file + ": time " + std::to_string(seconds) + " s is before the beginning");
     ros::Time time;
     // To the microsecond, as the text files of a sequence.
@@ -113,6 +113,7 @@ void BagWriter::write(const RecordedFrame& frame) {
 void BagWriter::writeDepth(double time, const cv::Mat& depth) {
   Impl& m = *impl_;
   const ros::Time stamp = m.timeOf(time);
+  m.begin(stamp);
   m.put(recording_topics::kDepth, stamp, *m.messages.depth(depth, stamp));
   m.put(recording_topics::kDepthInfo, stamp, m.messages.info(stamp));
 }

@@ -17,11 +17,10 @@ class BagWriter : public Recorder {
   BagWriter(const std::string& file, const RecordingSetup& setup);
   ~BagWriter() override;
   void write(const RecordedFrame& frame) override;
+  void writeDepth(double time, const cv::Mat& depth) override;
   void writeImu(const std::vector<ImuReading>& readings) override;
   void close() override;
   size_t count() const override;
-  /// A depth image with a time of its own.
-  void writeDepth(double time, const cv::Mat& depth);
 
  private:
   struct Impl;

@@ -23,7 +23,7 @@ std::shared_ptr<const LocalizationMap> loadMap(const std::string& file, const Pa
 
 }  // namespace
 
-LocalizerNode::LocalizerNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
+LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : nh_(nh), private_nh_(private_nh), transport_(nh), diagnostics_(nh, private_nh) {
   applyParameters(readPrivateParameters(private_nh_), &params_, &method_);
   const auto map = loadMap(params_.model_file, method_);

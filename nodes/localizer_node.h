@@ -31,7 +31,7 @@ class LocalizerNode {
  public:
   /// Reads parameters and model, subscribes, and starts to work on images in a thread of its own.
   /// @throws ParameterError, InputError
-  LocalizerNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
+  LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~LocalizerNode();
   LocalizerNode(const LocalizerNode&) = delete;
   LocalizerNode& operator=(const LocalizerNode&) = delete;

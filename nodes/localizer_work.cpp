@@ -96,7 +96,7 @@ cv::Mat LocalizerNode::maskFor(Camera* camera, const MaskMatcher::Match& match,
                                const CameraModel& model, const std::optional<Pose>& T_odom_camera,
                                bool* skip, double* age) {
   if (match.mask) {
-    const cv::Mat mask = maskFromMessage(match.mask, camera->origin + " mask");
+    cv::Mat mask = maskFromMessage(match.mask, camera->origin + " mask");
     *age = 0;
     if (params_.mask_policy == "use_last") {
       camera->last_mask = mask.clone();

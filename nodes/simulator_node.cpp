@@ -56,7 +56,8 @@ SimulatorParameters readParameters(const ros::NodeHandle& private_nh) {
 
 }  // namespace
 
-SimulatorNode::SimulatorNode(ros::NodeHandle nh, ros::NodeHandle private_nh) : nh_(nh) {
+SimulatorNode::SimulatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
+    : nh_(nh) {
   const SimulatorParameters params = readParameters(private_nh);
   live_ = params.live;
   speed_ = params.speed;

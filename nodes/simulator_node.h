@@ -25,7 +25,7 @@ namespace edge_mcl {
 class SimulatorNode {
  public:
   /// @throws ParameterError, InputError
-  SimulatorNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
+  SimulatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   /// Flies until the path or ROS ends.
   void run();
 
