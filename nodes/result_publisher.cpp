@@ -43,7 +43,10 @@ void ResultPublisher::publishTransform(const PoseGaussian& estimate, const Resul
   if (!to_base && !context.odometry) return;
   PoseGaussian transform = estimate;
   if (!to_base) transform.mean = normalized(estimate.mean * context.odometry->inverse());
-  T_map_odom_ = transform;
+  {
+    const std::lock_guard<std::mutex> lock(transform_mutex_);
+    T_map_odom_ = transform;
+  }
   if (!params_.tf_broadcast) return;
   // Dated ahead, as amcl does, so that the odometry's next readings find it.
   const ros::Time valid = context.stamp + ros::Duration(params_.transform_tolerance);
@@ -130,13 +133,17 @@ void ResultPublisher::publishModel(const LocalizationMap& map) {
 }
 
 void ResultPublisher::publishOdometry(const nav_msgs::Odometry& odometry) {
-  if (!T_map_odom_ || params_.odometry == "none") return;
+  std::optional<PoseGaussian> pose;
+  {
+    const std::lock_guard<std::mutex> lock(transform_mutex_);
+    pose = T_map_odom_;
+  }
+  if (!pose || params_.odometry == "none") return;
   nav_msgs::Odometry in_map = odometry;
   in_map.header.frame_id = params_.global_frame_id;
   try {
-    PoseGaussian pose = *T_map_odom_;
-    pose.mean = pose.mean * fromMessage(odometry.pose.pose, "odometry");
-    in_map.pose = toPoseMessage(pose);
+    pose->mean = pose->mean * fromMessage(odometry.pose.pose, "odometry");
+    in_map.pose = toPoseMessage(*pose);
   } catch (const InputError&) {
     return;  // the localizer reports it
   }

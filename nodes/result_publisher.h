@@ -7,6 +7,7 @@
 #include <ros/node_handle.h>
 #include <tf2_ros/transform_broadcaster.h>
 
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -49,6 +50,7 @@ class ResultPublisher {
   image_transport::ImageTransport transport_;
   image_transport::Publisher overlay_;
   tf2_ros::TransformBroadcaster broadcaster_;
+  std::mutex transform_mutex_;              // odometry comes in another thread than results
   std::optional<PoseGaussian> T_map_odom_;  // with the covariance of the pose
 };
 
