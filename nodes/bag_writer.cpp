@@ -14,16 +14,18 @@ namespace edge_mcl {
 struct BagWriter::Impl {
   std::string file;
   RecordingMessages messages;
-  rosbag::Bag bag;
+  std::unique_ptr<rosbag::Bag> bag;
   std::optional<double> offset;  // seconds, from the recording's times to the bag's
   bool begun = false;
   size_t count = 0;
 
   std::string active() const { return file + ".active"; }
 
-  [[noreturn]] void fail(const std::exception& e) const {
-    throw InputError(active() + ": cannot be written (disk full?): " + e.what() + "; " +
-                     std::to_string(count) + " images are complete");
+  [[noreturn]] void fail(const std::exception& e) {
+    // Its destructor would write the index, fail again, and end the program: left to the system.
+    static_cast<void>(bag.release());
+    throw InputError(active() + ": cannot be written (disk full?): " + e.what() + "; about " +
+                     std::to_string(count) + " images are in it (rosbag reindex)");
   }
 
   ros::Time timeOf(double seconds) {
@@ -40,7 +42,8 @@ struct BagWriter::Impl {
   template <class Message>
   void put(const std::string& topic, const ros::Time& time, const Message& message) {
     try {
-      bag.write("/" + topic, time, message);
+      if (!bag) throw Error("the bag is closed");
+      bag->write("/" + topic, time, message);
     } catch (const std::exception& e) {
       fail(e);
     }
@@ -58,7 +61,8 @@ struct BagWriter::Impl {
                       {"latching", "1"},
                       {"callerid", "/edge_mcl"}});
     try {
-      bag.write("/" + topic, time, message, connection);
+      if (!bag) throw Error("the bag is closed");
+      bag->write("/" + topic, time, message, connection);
     } catch (const std::exception& e) {
       fail(e);
     }
@@ -73,12 +77,13 @@ struct BagWriter::Impl {
 };
 
 BagWriter::BagWriter(const std::string& file, const RecordingSetup& setup)
-    : impl_(new Impl{file, RecordingMessages(setup), {}, {}, false, 0}) {
+    : impl_(
+          new Impl{file, RecordingMessages(setup), std::make_unique<rosbag::Bag>(), {}, false, 0}) {
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) throw InputError(file + ": exists already");
   try {
-    impl_->bag.open(impl_->active(), rosbag::bagmode::Write);
-    impl_->bag.setCompression(rosbag::compression::LZ4);
+    impl_->bag->open(impl_->active(), rosbag::bagmode::Write);
+    impl_->bag->setCompression(rosbag::compression::LZ4);
   } catch (const std::exception& e) {
     throw InputError(file + ": cannot be written: " + e.what());
   }
@@ -127,12 +132,13 @@ void BagWriter::writeImu(const std::vector<ImuReading>& readings) {
 
 void BagWriter::close() {
   Impl& m = *impl_;
-  if (!m.bag.isOpen()) return;
+  if (!m.bag) return;
   try {
-    m.bag.close();
+    m.bag->close();
   } catch (const std::exception& e) {
     m.fail(e);
   }
+  m.bag.reset();
   std::error_code error;
   std::filesystem::rename(m.active(), m.file, error);
   if (error) throw InputError(m.file + ": cannot be written: " + error.message());

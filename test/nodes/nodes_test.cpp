@@ -1,14 +1,18 @@
 #include <gtest/gtest.h>
 #include <ros/time.h>
+#include <sys/resource.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <opencv2/core.hpp>
 #include <random>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/nodes/bag_writer.h"
 #include "edge_mcl/nodes/mask_matcher.h"
 #include "edge_mcl/nodes/mask_motion.h"
 #include "edge_mcl/nodes/node_parameters.h"
@@ -247,6 +251,49 @@ TEST(NodeParameters, AreDocumented) {
   node.visit([&](const char* name, auto&, const char*, const char*) {
     EXPECT_NE(text.find(std::string("`") + name + "`"), std::string::npos) << name;
   });
+}
+
+/// A full disk, by a limit on the size of files: one error, no crash, what was written stays there.
+TEST(BagWriter, AFullDiskIsOneError) {
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("edge_mcl_full_" + std::to_string(getpid())))
+          .string() +
+      ".bag";
+  const auto previous = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  rlimit small = before;
+  small.rlim_cur = 4 << 20;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  RecordingSetup setup;
+  setup.camera.width = 320;
+  setup.camera.height = 240;
+  std::string fault;
+  size_t written = 0;
+  {
+    BagWriter writer(file, setup);
+    cv::Mat noise(240, 320, CV_8UC3);
+    for (int i = 0; i < 200 && fault.empty(); ++i) {
+      cv::randu(noise, 0, 256);
+      RecordedFrame frame;
+      frame.time = 10 + 0.1 * i;
+      frame.color = noise;
+      try {
+        writer.write(frame);
+      } catch (const InputError& e) {
+        fault = e.what();
+      }
+    }
+    written = writer.count();
+    EXPECT_NO_THROW(writer.close());
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, previous);
+  EXPECT_NE(fault.find("disk full?"), std::string::npos) << fault;
+  EXPECT_GT(written, 5u);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_GT(std::filesystem::file_size(file + ".active"), 1u << 20);
+  std::filesystem::remove(file + ".active");
 }
 
 TEST(ParticleFile, ComesBack) {
