@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,6 +16,7 @@
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/sequence_localizer.h"
 #include "localize_bag.h"
+#include "output_files.h"
 #include "progress_bar.h"
 
 namespace edge_mcl {
@@ -62,12 +62,6 @@ nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
   return j;
 }
 
-void writeJson(const std::string& file, const nlohmann::json& content) {
-  std::ofstream out(file);
-  out << content.dump(1) << "\n";
-  if (!out.flush()) throw InputError(file + ": cannot be written");
-}
-
 /// Reference poses of the sequence, for the summary and the plot.
 Trajectory truthOf(const Sequence& sequence) {
   Trajectory truth;
@@ -103,11 +97,7 @@ int run(const LocalizeOptions& o) {
   std::ofstream out(o.out);
   if (!out) throw InputError(o.out + ": cannot be written");
   out << "# T_map_camera by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
-  if (!o.overlay.empty()) {
-    std::error_code problem;
-    std::filesystem::create_directories(o.overlay, problem);
-    if (problem) throw InputError(o.overlay + ": cannot be made: " + problem.message());
-  }
+  if (!o.overlay.empty()) makeDirectory(o.overlay);
   nlohmann::json per_image = nlohmann::json::array();
   std::vector<double> update_ms;
   size_t unusable = 0;

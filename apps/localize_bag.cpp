@@ -5,7 +5,6 @@
 #ifdef EDGE_MCL_HAS_ROS
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/nodes/bag_reader.h"
+#include "output_files.h"
 #include "progress_bar.h"
 
 namespace edge_mcl {
@@ -56,10 +56,7 @@ PoseGaussian initialPose(const LocalizeOptions& o, const BagReader& bag) {
                            ": x,y,z,roll,pitch,yaw expected (metres, degrees)");
     const double degree = M_PI / 180;
     pose.mean.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
-    pose.mean.linear() = (Eigen::AngleAxisd(v[5] * degree, Eigen::Vector3d::UnitZ()) *
-                          Eigen::AngleAxisd(v[4] * degree, Eigen::Vector3d::UnitY()) *
-                          Eigen::AngleAxisd(v[3] * degree, Eigen::Vector3d::UnitX()))
-                             .toRotationMatrix();
+    pose.mean.linear() = rotationFromAngles(v[3] * degree, v[4] * degree, v[5] * degree);
   } else if (bag.initialPose()) {
     pose = *bag.initialPose();
   } else {
@@ -105,11 +102,7 @@ int localizeBag(const LocalizeOptions& o) {
   std::ofstream out(o.out);
   if (!out) throw InputError(o.out + ": cannot be written");
   out << "# T_map_base by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
-  if (!o.overlay.empty()) {
-    std::error_code problem;
-    std::filesystem::create_directories(o.overlay, problem);
-    if (problem) throw InputError(o.overlay + ": cannot be made: " + problem.message());
-  }
+  if (!o.overlay.empty()) makeDirectory(o.overlay);
   Trajectory estimate;
   nlohmann::json images = nlohmann::json::array();
   std::map<std::string, size_t> states;
@@ -156,11 +149,7 @@ int localizeBag(const LocalizeOptions& o) {
     summary["rotation_error_median_deg"] = errors.rotation_summary.median;
     summary["within_10cm_3deg"] = errors.success_share;
   }
-  if (!o.stats.empty()) {
-    std::ofstream stats(o.stats);
-    stats << nlohmann::json{{"summary", summary}, {"images", images}}.dump(1) << "\n";
-    if (!stats.flush()) throw InputError(o.stats + ": cannot be written");
-  }
+  if (!o.stats.empty()) writeJson(o.stats, {{"summary", summary}, {"images", images}});
   if (o.json) {
     std::printf("%s\n", summary.dump(1).c_str());
   } else {

@@ -1,13 +1,11 @@
 #include "edge_mcl/core/camera_model.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <vector>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/yaml_file.h"
 
 namespace edge_mcl {
 
@@ -214,13 +212,7 @@ CameraModel CameraModel::fromFields(int width, int height, const std::array<doub
 }
 
 CameraModel CameraModel::fromYamlFile(const std::string& file) {
-  if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
-  YAML::Node root;
-  try {
-    root = YAML::LoadFile(file);
-  } catch (const YAML::Exception& e) {
-    throw InputError(file + ": not a YAML file: " + e.what());
-  }
+  const YAML::Node root = loadYamlFile(file);
   if (!root.IsMap()) throw InputError(file + ": not a camera_info YAML file");
   const auto need = [&](const YAML::Node& node, const std::string& key) {
     if (!node.IsMap() || !node[key]) throw InputError(file + ": key '" + key + "' is missing");

@@ -16,6 +16,7 @@
 #include "edge_mcl/core/guarded_file_system.h"
 #include "edge_mcl/core/mesh_model.h"
 #include "edge_mcl/core/ply_header.h"
+#include "edge_mcl/core/se3.h"
 
 namespace edge_mcl {
 
@@ -82,9 +83,8 @@ Eigen::Affine3d mapTransform(const MapParameters& params) {
   constexpr double kDegree = M_PI / 180;
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
   transform.translate(Eigen::Vector3d(params.x, params.y, params.z));
-  transform.rotate(Eigen::AngleAxisd(params.yaw_deg * kDegree, Eigen::Vector3d::UnitZ()) *
-                   Eigen::AngleAxisd(params.pitch_deg * kDegree, Eigen::Vector3d::UnitY()) *
-                   Eigen::AngleAxisd(params.roll_deg * kDegree, Eigen::Vector3d::UnitX()));
+  transform.rotate(rotationFromAngles(params.roll_deg * kDegree, params.pitch_deg * kDegree,
+                                      params.yaw_deg * kDegree));
   transform.scale(params.scale);
   return transform;
 }

@@ -1,13 +1,11 @@
 #include "edge_mcl/core/parameters.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/parameter_text.h"
+#include "edge_mcl/core/yaml_file.h"
 
 namespace edge_mcl {
 
@@ -109,13 +107,7 @@ std::string Parameters::toYaml() const {
 }
 
 void Parameters::loadYaml(const std::string& file) {
-  if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
-  YAML::Node root;
-  try {
-    root = YAML::LoadFile(file);
-  } catch (const YAML::Exception& e) {
-    throw InputError(file + ": not a YAML file: " + e.what());
-  }
+  const YAML::Node root = loadYamlFile(file);
   if (root.IsNull()) return;
   if (!root.IsMap()) throw ParameterError(file + ": groups of parameters expected");
   std::string faults;

@@ -76,6 +76,13 @@ Matrix6 adjoint(const Pose& pose) {
   return adjoint;
 }
 
+Eigen::Matrix3d rotationFromAngles(double roll, double pitch, double yaw) {
+  return (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
 bool isValid(const Pose& pose) {
   if (!pose.matrix().allFinite()) return false;
   const Eigen::Matrix3d r = pose.linear();

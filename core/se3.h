@@ -26,6 +26,9 @@ Twist logSe3(const Pose& pose);
 /// Adjoint: `T * exp(xi) == exp(adjoint(T) * xi) * T`.
 Matrix6 adjoint(const Pose& pose);
 
+/// Rotation about the fixed axes x, y, z in this order (REP 103), radians.
+Eigen::Matrix3d rotationFromAngles(double roll, double pitch, double yaw);
+
 /// False when any entry is not finite or the rotation is not orthonormal to 1e-6.
 bool isValid(const Pose& pose);
 /// Puts the rotation part back onto SO(3) after many compositions.

@@ -1,14 +1,12 @@
 #include "edge_mcl/core/sequence.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/yaml_file.h"
 
 namespace edge_mcl {
 
@@ -44,9 +42,8 @@ Pose poseFromList(const std::vector<double>& v, const std::string& where) {
 }
 
 void readDescription(const std::string& file, Sequence* sequence) {
-  if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
+  const YAML::Node root = loadYamlFile(file);
   try {
-    const YAML::Node root = YAML::LoadFile(file);
     if (!root.IsMap()) throw InputError(file + ": not a YAML map");
     if (root["name"]) sequence->name = root["name"].as<std::string>();
     if (!root["initial_pose"]) throw InputError(file + ": key 'initial_pose' is missing");

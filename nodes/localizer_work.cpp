@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/mask_motion.h"
 #include "edge_mcl/nodes/localizer_node.h"
-#include "edge_mcl/nodes/mask_motion.h"
 #include "edge_mcl/nodes/ros_conversions.h"
 
 namespace edge_mcl {

@@ -89,10 +89,7 @@ void NodeParameters::validate() const {
 PoseGaussian NodeParameters::initialPose() const {
   PoseGaussian pose;
   pose.mean.translation() = Eigen::Vector3d(initial_pose_x, initial_pose_y, initial_pose_z);
-  pose.mean.linear() = (Eigen::AngleAxisd(initial_pose_a, Eigen::Vector3d::UnitZ()) *
-                        Eigen::AngleAxisd(initial_pose_pitch, Eigen::Vector3d::UnitY()) *
-                        Eigen::AngleAxisd(initial_pose_roll, Eigen::Vector3d::UnitX()))
-                           .toRotationMatrix();
+  pose.mean.linear() = rotationFromAngles(initial_pose_roll, initial_pose_pitch, initial_pose_a);
   Matrix6 covariance = Matrix6::Zero();
   covariance.diagonal() << initial_cov_xx, initial_cov_yy, initial_cov_zz, initial_cov_rr,
       initial_cov_pp, initial_cov_aa;

@@ -1,15 +1,13 @@
 #include "edge_mcl/sim/scenario.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/yaml_file.h"
 
 namespace edge_mcl {
 
@@ -92,13 +90,7 @@ FlightPath pathFrom(const YAML::Node& list, bool tilts, const std::string& where
 }  // namespace
 
 Scenario Scenario::fromYamlFile(const std::string& file) {
-  if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
-  YAML::Node root;
-  try {
-    root = YAML::LoadFile(file);
-  } catch (const YAML::Exception& e) {
-    throw InputError(file + ": not a YAML file: " + e.what());
-  }
+  const YAML::Node root = loadYamlFile(file);
   const auto beside = [&](const std::string& name) {
     return (std::filesystem::path(file).parent_path() / name).lexically_normal().string();
   };

@@ -13,14 +13,7 @@ namespace edge_mcl {
 namespace {
 
 CameraModel cameraWith(DistortionModel model) {
-  CameraModel camera = test::pinhole(320, 240, 220);
-  camera.distortion = model;
-  if (model == DistortionModel::kPlumbBob) camera.coefficients = {-0.28, 0.07, 2e-4, 2e-5, 0};
-  if (model == DistortionModel::kRationalPolynomial)
-    camera.coefficients = {0.2, -0.1, 1e-3, -5e-4, 0.01, 0.4, -0.05, 0.02};
-  if (model == DistortionModel::kEquidistant) camera.coefficients = {0.02, -0.01, 0.003, -0.001};
-  camera.validate("test");
-  return camera;
+  return test::distorted(test::pinhole(320, 240, 220), model);
 }
 
 const Pose kView = test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15});

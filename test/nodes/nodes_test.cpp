@@ -12,9 +12,9 @@
 #include <random>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/mask_motion.h"
 #include "edge_mcl/nodes/bag_writer.h"
 #include "edge_mcl/nodes/mask_matcher.h"
-#include "edge_mcl/nodes/mask_motion.h"
 #include "edge_mcl/nodes/node_parameters.h"
 #include "edge_mcl/nodes/particle_file.h"
 #include "edge_mcl/nodes/ros_conversions.h"

@@ -16,14 +16,7 @@ namespace {
 CameraModel cameraWith(DistortionModel model, int width = 160, int height = 120) {
   // This rational polynomial turns back at a radius of 0.87: a narrower view has an inverse.
   const double focal = model == DistortionModel::kRationalPolynomial ? 0.9 : 0.7;
-  CameraModel camera = test::pinhole(width, height, focal * width);
-  camera.distortion = model;
-  if (model == DistortionModel::kPlumbBob) camera.coefficients = {-0.28, 0.07, 2e-4, 2e-5, 0};
-  if (model == DistortionModel::kRationalPolynomial)
-    camera.coefficients = {0.2, -0.1, 1e-3, -5e-4, 0.01, 0.4, -0.05, 0.02};
-  if (model == DistortionModel::kEquidistant) camera.coefficients = {0.02, -0.01, 0.003, -0.001};
-  camera.validate("test");
-  return camera;
+  return test::distorted(test::pinhole(width, height, focal * width), model);
 }
 
 class EveryDistortion : public testing::TestWithParam<DistortionModel> {};

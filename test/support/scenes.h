@@ -145,4 +145,15 @@ inline cv::Mat render(const MeshModel& mesh, const CameraModel& camera, const Po
   return image;
 }
 
+/// The camera with a lens of every model's kind.
+inline CameraModel distorted(CameraModel camera, DistortionModel model) {
+  camera.distortion = model;
+  if (model == DistortionModel::kPlumbBob) camera.coefficients = {-0.28, 0.07, 2e-4, 2e-5, 0};
+  if (model == DistortionModel::kRationalPolynomial)
+    camera.coefficients = {0.2, -0.1, 1e-3, -5e-4, 0.01, 0.4, -0.05, 0.02};
+  if (model == DistortionModel::kEquidistant) camera.coefficients = {0.02, -0.01, 0.003, -0.001};
+  camera.validate("test");
+  return camera;
+}
+
 }  // namespace edge_mcl::test

@@ -1,4 +1,4 @@
-#include "edge_mcl/nodes/mask_motion.h"
+#include "edge_mcl/core/mask_motion.h"
 
 #include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
