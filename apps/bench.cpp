@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench_depth.h"
 #include "bench_table.h"
 #include "common_options.h"
 #include "edge_mcl/core/cpu_kernel.h"
@@ -32,7 +33,7 @@ struct BenchOptions {
   int repeats = 15;
   std::vector<size_t> table;
   double spread_position = 0.05, spread_angle_deg = 2;
-  bool json = false;
+  bool depth = false, json = false;
   ParameterOptions parameters;
 };
 
@@ -53,7 +54,8 @@ struct Timing {
 };
 
 int run(const BenchOptions& o) {
-  const Parameters params = o.parameters.load();
+  Parameters params = o.parameters.load();
+  if (o.depth) params.likelihood.cues = Cues::kBoth;
   const Sequence sequence = readSequence(o.sequence);
   if (o.image >= sequence.frames.size()) throw ParameterError("--image: no such image");
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
@@ -82,6 +84,12 @@ int run(const BenchOptions& o) {
   };
   const std::vector<Pose> poses = draw(static_cast<size_t>(params.filter.particles));
   const size_t plain_count = std::min(poses.size(), o.plain_particles);
+
+  if (o.depth) {
+    const nlohmann::json j = timeDepth(map, sequence, frame, poses, o.repeats, !o.json);
+    if (o.json) std::printf("%s\n", j.dump(1).c_str());
+    return kExitOk;
+  }
 
   Timing t;
   std::vector<double> one, all, plain, field, gathers;
@@ -210,6 +218,7 @@ void addBench(CLI::App* app, Action* action) {
   c->add_option(
       "--soak", o->soak,
       "instead of timing: so many updates in a row, with the resident size along the way");
+  c->add_flag("--depth", o->depth, "time the depth likelihood instead");
   c->add_option("--table", o->table,
                 "numbers of particles for a table like the paper's Table 1, e.g. "
                 "100,500,1000,5000,50000,1000000")

@@ -46,6 +46,11 @@ nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
       u.used_samples > 0 ? static_cast<double>(u.matched_samples) / u.used_samples : 0;
   j["log_likelihood"] = u.log_likelihood;
   j["evidence_per_line"] = u.evidence_per_line;
+  if (u.depth_points > 0) {
+    j["depth_points"] = u.depth_points;
+    j["depth_agreement"] = u.depth_agreement;
+    j["depth_bias"] = u.depth_bias;
+  }
   j["refined_modes"] = u.refined_modes;
   j["ms"] = {
       {"reading", r.reading_ms},
@@ -78,12 +83,15 @@ int run(const LocalizeOptions& o) {
   if (isBag(o.sequence)) return localizeBag(o);
   if (!o.topics.empty() || !o.initial_pose.empty())
     throw ParameterError("--topics and --initial-pose belong to a bag");
-  const Parameters params = o.parameters.load();
+  Parameters params = o.parameters.load();
+  if (o.depth && params.likelihood.cues == Cues::kEdges) params.likelihood.cues = Cues::kBoth;
   const Sequence sequence = readSequence(o.sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty())
     throw InputError(o.sequence + ": no model.obj in it; name the model with --model");
+  if (params.likelihood.cues != Cues::kEdges && sequence.depths.empty())
+    throw InputError(o.sequence + ": depth asked for, but there is no depth.txt in it");
   LocalizationMap map(model, params);
   chooseBackend(&map);
   for (const std::string& w : map.mesh().report.warnings)
@@ -105,7 +113,7 @@ int run(const LocalizeOptions& o) {
   ProgressBar bar(sequence.name, localizer.frameCount());
   for (const SequenceFrame& frame : sequence.frames) {
     const FrameResult r = localizer.step();
-    if (!r.updated) ++unusable;
+    if (!r.updated && !r.problem.empty()) ++unusable;
     if (!r.problem.empty()) bar.note("warning: " + r.problem);
     // Flushed line by line: an interrupted run keeps what it has computed.
     out << formatPose(frame.time_text, r.estimate.mean) << std::endl;
@@ -131,6 +139,7 @@ int run(const LocalizeOptions& o) {
   summary["model"] = model;
   summary["backend"] = map.backend().name();
   summary["likelihood"] = params.get("likelihood.model");
+  summary["cues"] = params.get("likelihood.cues");
   summary["particles"] = params.filter.particles;
   summary["seed"] = params.filter.seed;
   summary["images"] = sequence.frames.size();
@@ -176,6 +185,8 @@ void addLocalize(CLI::App* app, Action* action) {
                 "of a bag: image=/cam/image_raw,camera_info=...,mask=...,odom_frame=odom,...");
   c->add_option("--initial-pose", o->initial_pose,
                 "of a bag without initialpose: x,y,z,roll,pitch,yaw of the base; metres, degrees");
+  c->add_flag("--depth", o->depth,
+              "use the depth images, too (likelihood.cues = both, unless it says depth)");
   c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
   c->add_option("--out", o->out, "trajectory to write (TUM format)");
   c->add_option("--stats", o->stats, "JSON file with timings, ESS, covariance per image");

@@ -27,6 +27,8 @@ BagTopics parseTopics(const LocalizeOptions& o) {
   std::map<std::string, std::string*> fields{{"image", &topics.image},
                                              {"camera_info", &topics.camera_info},
                                              {"mask", &topics.mask},
+                                             {"depth", &topics.depth},
+                                             {"depth_info", &topics.depth_info},
                                              {"truth", &topics.truth},
                                              {"initialpose", &topics.initial_pose},
                                              {"odom_frame", &topics.odom_frame},
@@ -37,7 +39,8 @@ BagTopics parseTopics(const LocalizeOptions& o) {
     const auto field = fields.find(entry.substr(0, equals));
     if (equals == std::string::npos || field == fields.end())
       throw ParameterError("--topics " + entry +
-                           ": NAME=TOPIC expected, NAME one of image, camera_info, mask, truth, "
+                           ": NAME=TOPIC expected, NAME one of image, camera_info, mask, depth, "
+                           "depth_info, truth, "
                            "initialpose, odom_frame, base_frame");
     *field->second = entry.substr(equals + 1);
   }
@@ -81,6 +84,8 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time) {
           {"match_ratio", r.match_ratio},
           {"evidence_per_line", r.report.evidence_per_line},
           {"visible_lines", r.report.visible_lines},
+          {"depth_points", r.report.depth_points},
+          {"depth_agreement", r.report.depth_agreement},
           {"masked_share", r.masked_share},
           {"update_ms",
            r.image_times.edges + r.image_times.field + r.image_times.table + r.report.total_ms},
@@ -90,9 +95,12 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time) {
 }  // namespace
 
 int localizeBag(const LocalizeOptions& o) {
-  const Parameters params = o.parameters.load();
+  Parameters params = o.parameters.load();
+  if (o.depth && params.likelihood.cues == Cues::kEdges) params.likelihood.cues = Cues::kBoth;
   if (o.model.empty()) throw InputError(o.sequence + ": name the model with --model");
-  BagReader bag(o.sequence, parseTopics(o));
+  BagTopics topics = parseTopics(o);
+  if (params.likelihood.cues == Cues::kEdges) topics.depth.clear();
+  BagReader bag(o.sequence, topics);
   auto map = std::make_shared<LocalizationMap>(o.model, params);
   chooseBackend(map.get());
   for (const std::string& w : map->mesh().report.warnings)

@@ -10,7 +10,7 @@ namespace edge_mcl {
 struct LocalizeOptions {
   std::string sequence, model, out = "est.txt", stats, overlay, plot, initial_std;
   std::string topics, initial_pose;  // of a bag
-  bool no_mask = false, json = false;
+  bool no_mask = false, depth = false, json = false;
   ParameterOptions parameters;
 };
 

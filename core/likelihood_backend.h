@@ -37,6 +37,9 @@ struct PoseScore {
   float sample_weight = 0;  ///< samples inside the image and not ignored (faded ones count partly)
   /// Lines with at least one such sample; in the robust model the sum of how far each is saturated.
   float line_count = 0;
+  double depth_log_likelihood = 0;  ///< the part of log_likelihood that is of depth images
+  float depth_points = 0;
+  float depth_points_on_model = 0;
 };
 
 /// Scores of poses against one image. A single pose is a batch of one and gives the same bits as

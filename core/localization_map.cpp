@@ -13,8 +13,8 @@ LocalizationMap::LocalizationMap(const std::string& model_file, const Parameters
     : params_(params) {
   params_.validate();
   mesh_ = std::make_unique<MeshModel>(loadMesh(model_file, params_.map));
-  build();
-  if (edges_->lines.empty())
+  build(model_file);
+  if (edges_->lines.empty() && usesImages())
     throw InputError(
         model_file +
         ": no feature edge in it (map.crease_angle_deg, map.boundaries, map.contours)");
@@ -23,15 +23,31 @@ LocalizationMap::LocalizationMap(const std::string& model_file, const Parameters
 LocalizationMap::LocalizationMap(MeshModel mesh, const Parameters& params) : params_(params) {
   params_.validate();
   mesh_ = std::make_unique<MeshModel>(std::move(mesh));
-  build();
+  build("");
 }
 
-void LocalizationMap::build() {
+void LocalizationMap::build(const std::string& model_file) {
   edges_ = std::make_unique<EdgeModel>(buildEdgeModel(mesh_.get(), params_.map));
   visibility_ = std::make_shared<Visibility>(*mesh_, *edges_, params_.visibility);
   backend_ = std::make_unique<CpuBackend>(visibility_);
   levels_ = std::make_unique<ScoreLevels>(params_.image, params_.likelihood);
   refiner_ = std::make_unique<PoseRefiner>(params_.refinement, params_.likelihood, params_.image);
+  if (params_.likelihood.cues == Cues::kEdges) return;
+  DistanceField::Options options;
+  options.truncation = params_.depth.truncation;
+  options.voxel_size = params_.depth.voxel_size;
+  std::string warning;
+  auto field = std::make_shared<DistanceField>(
+      params_.depth.store_field && !model_file.empty()
+          ? storedDistanceField(*mesh_, options, model_file, &warning)
+          : DistanceField(*mesh_, options));
+  if (!warning.empty()) mesh_->report.warnings.push_back(warning);
+  depth_ = std::make_shared<DepthLikelihood>(std::move(field), params_.depth);
+  refiner_->setDepth(depth_);
+}
+
+std::shared_ptr<const DepthPoints> LocalizationMap::prepareDepth(const DepthImage& image) const {
+  return std::make_shared<DepthPoints>(makeDepthPoints(image, params_.depth));
 }
 
 std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel& camera,
@@ -62,7 +78,7 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
 
 uint32_t LocalizationMap::thinningFor(const CameraView& view, const Pose& base_pose,
                                       size_t most) const {
-  if (most == 0) return 1;
+  if (most == 0 || !view.image) return 1;
   const Pose camera_pose = base_pose * view.T_base_camera;
   const Pose camera_from_map = camera_pose.inverse();
   const CameraModel& camera = view.image->frame.camera;
@@ -83,6 +99,17 @@ std::vector<PoseScore> LocalizationMap::evaluate(const std::vector<CameraView>& 
   for (const CameraView& view : views) {
     std::vector<Pose> camera_poses(base_poses);
     for (Pose& pose : camera_poses) pose = pose * view.T_base_camera;
+    if (view.depth && depth_) {
+      const std::vector<DepthScore> scores = depth_->evaluate(*view.depth, camera_poses);
+      const auto points = static_cast<float>(view.depth->count);
+      for (size_t i = 0; i < scores.size(); ++i) {
+        total[i].log_likelihood += scores[i].log_likelihood;
+        total[i].depth_log_likelihood += scores[i].log_likelihood;
+        total[i].depth_points += points;
+        total[i].depth_points_on_model += points * scores[i].agreement;
+      }
+    }
+    if (!view.image) continue;
     LikelihoodFrame frame = view.image->frame;
     frame.thinning = view.thinning;
     const std::vector<PoseScore> scores = backend_->evaluate(frame, camera_poses);
@@ -113,9 +140,17 @@ RefinementResult LocalizationMap::refine(const std::vector<CameraView>& views, c
                                          const RefinementEffort& effort) const {
   std::vector<RefinementView> refinement_views;
   for (const CameraView& view : views) {
-    const Eigen::Vector3d eye = (start * view.T_base_camera).translation();
-    refinement_views.push_back({&view.image->frame.camera, &view.image->edges, &view.image->pixels,
-                                visibility_->cached(visibility_->cellOf(eye)), view.T_base_camera});
+    RefinementView refined;
+    refined.T_base_camera = view.T_base_camera;
+    refined.depth = view.depth.get();
+    if (view.image) {
+      refined.camera = &view.image->frame.camera;
+      refined.image = &view.image->edges;
+      refined.pixels = &view.image->pixels;
+      refined.visible =
+          visibility_->cached(visibility_->cellOf((start * view.T_base_camera).translation()));
+    }
+    refinement_views.push_back(std::move(refined));
   }
   return refiner_->refine(refinement_views, start, prior, effort);
 }

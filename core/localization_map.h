@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "edge_mcl/core/cpu_backend.h"
+#include "edge_mcl/core/depth_likelihood.h"
 #include "edge_mcl/core/edge_model.h"
 #include "edge_mcl/core/edge_pixels.h"
 #include "edge_mcl/core/image_edges.h"
@@ -31,11 +32,13 @@ struct PreparedImage {
   StageTimes times;
 };
 
-/// An image and where its camera sits on the robot.
+/// What a camera saw and where it sits on the robot. Image and depth are of the same optical frame;
+/// either may be null.
 struct CameraView {
   std::shared_ptr<const PreparedImage> image;
   Pose T_base_camera = Pose::Identity();
   uint32_t thinning = 1;  ///< see LikelihoodFrame
+  std::shared_ptr<const DepthPoints> depth = nullptr;
 };
 
 class LocalizationMap {
@@ -59,6 +62,13 @@ class LocalizationMap {
                                                const cv::Mat& mask,
                                                const std::string& origin) const;
 
+  bool usesImages() const { return params_.likelihood.cues != Cues::kDepth; }
+  bool usesDepth() const { return depth_ != nullptr; }
+  /// Null unless likelihood.cues asks for depth.
+  const DepthLikelihood* depth() const { return depth_.get(); }
+  /// @throws InputError, see makeDepthPoints.
+  std::shared_ptr<const DepthPoints> prepareDepth(const DepthImage& image) const;
+
   /// The thinning at which about `most` samples are inside the image at this pose of the base;
   /// 0 = all.
   uint32_t thinningFor(const CameraView& view, const Pose& base_pose, size_t most) const;
@@ -75,7 +85,7 @@ class LocalizationMap {
                                  const std::optional<PoseGaussian>& prior) const;
 
  private:
-  void build();
+  void build(const std::string& model_file);
   RefinementResult refine(const std::vector<CameraView>& views, const Pose& start,
                           const std::optional<PoseGaussian>& prior,
                           const RefinementEffort& effort) const;
@@ -87,6 +97,7 @@ class LocalizationMap {
   std::unique_ptr<LikelihoodBackend> backend_;
   std::unique_ptr<ScoreLevels> levels_;
   std::unique_ptr<PoseRefiner> refiner_;
+  std::shared_ptr<const DepthLikelihood> depth_;
 };
 
 }  // namespace edge_mcl

@@ -26,6 +26,9 @@ inline std::string toText(BackendChoice value) {
 inline std::string toText(LikelihoodModel value) {
   return value == LikelihoodModel::kPaper ? "paper" : "robust";
 }
+inline std::string toText(Cues value) {
+  return value == Cues::kEdges ? "edges" : value == Cues::kDepth ? "depth" : "both";
+}
 
 template <class Number>
 bool parseNumber(const std::string& text, Number* value) {
@@ -61,6 +64,12 @@ inline bool fromText(const std::string& text, LikelihoodModel* value) {
   if (text == "robust") return *value = LikelihoodModel::kRobust, true;
   return false;
 }
+inline bool fromText(const std::string& text, Cues* value) {
+  if (text == "edges") return *value = Cues::kEdges, true;
+  if (text == "depth") return *value = Cues::kDepth, true;
+  if (text == "both") return *value = Cues::kBoth, true;
+  return false;
+}
 
 inline const char* typeName(double) { return "a number"; }
 inline const char* typeName(int) { return "a whole number"; }
@@ -68,6 +77,7 @@ inline const char* typeName(uint64_t) { return "a whole number"; }
 inline const char* typeName(const std::string&) { return "a text"; }
 inline const char* typeName(bool) { return "true or false"; }
 inline const char* typeName(BackendChoice) { return "auto, cpu or cuda"; }
+inline const char* typeName(Cues) { return "edges, depth or both"; }
 inline const char* typeName(LikelihoodModel) { return "paper or robust"; }
 
 }  // namespace edge_mcl::parameter_text

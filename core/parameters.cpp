@@ -178,6 +178,18 @@ void Parameters::validate() const {
   require(positive(likelihood.scale), "likelihood.scale", "positive");
   require(likelihood.max_samples >= 0, "likelihood.max_samples", "zero or more");
   require(not_negative(likelihood.border_fade), "likelihood.border_fade", "zero or more");
+  require(positive(depth.truncation) && depth.truncation <= 5, "depth.truncation", "in (0, 5]");
+  require(not_negative(depth.voxel_size), "depth.voxel_size", "zero or more");
+  require(depth.points >= 10 && depth.points <= 1000000, "depth.points", "10 to 1000000");
+  require(not_negative(depth.min_range), "depth.min_range", "zero or more");
+  require(std::isfinite(depth.max_range) && depth.max_range > depth.min_range, "depth.max_range",
+          "more than depth.min_range");
+  require(positive(depth.sigma), "depth.sigma", "positive");
+  require(not_negative(depth.sigma_per_square_metre), "depth.sigma_per_square_metre",
+          "zero or more");
+  require(not_negative(depth.bias_sigma), "depth.bias_sigma", "zero or more");
+  require(depth.clutter > 0 && depth.clutter < 1, "depth.clutter", "between 0 and 1");
+  require(positive(depth.independent_points), "depth.independent_points", "positive");
   require(refinement.iterations >= 1 && refinement.iterations <= 1000, "refinement.iterations",
           "1 to 1000");
   require(refinement.start_iterations >= 1 && refinement.start_iterations <= 1000,
@@ -221,6 +233,7 @@ void Parameters::validate() const {
   require(share(tracking.max_masked_share), "tracking.max_masked_share", "0 to 1");
   require(share(tracking.min_match_ratio), "tracking.min_match_ratio", "0 to 1");
   require(std::isfinite(tracking.min_evidence), "tracking.min_evidence", "a number");
+  require(share(tracking.min_depth_agreement), "tracking.min_depth_agreement", "0 to 1");
   require(not_negative(tracking.lost_after), "tracking.lost_after", "zero or more");
   require(positive(tracking.converged_std_position), "tracking.converged_std_position", "positive");
   require(positive(tracking.converged_std_angle_deg), "tracking.converged_std_angle_deg",

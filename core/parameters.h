@@ -96,10 +96,14 @@ struct ImageParameters {
 
 enum class LikelihoodModel { kPaper, kRobust };
 
+/// What poses are compared with.
+enum class Cues { kEdges, kDepth, kBoth };
+
 enum class BackendChoice { kAuto, kCpu, kCuda };
 
 /// The measurement model, see docs/likelihood.md.
 struct LikelihoodParameters {
+  Cues cues = Cues::kEdges;
   LikelihoodModel model = LikelihoodModel::kRobust;
   double sigma = 2;
   double alpha = 1;
@@ -115,6 +119,7 @@ struct LikelihoodParameters {
 
   template <class Visitor>
   void visit(Visitor&& v) {
+    v("cues", cues, "", "edges of camera images, depth images, or both");
     v("model", model, "", "paper (equations 1-3) or robust (log-ratio against no model edge)");
     v("sigma", sigma, "px", "standard deviation of the distance along the normal, eq. (1)");
     v("alpha", alpha, "", "factor of eq. (3), paper model");
@@ -133,6 +138,42 @@ struct LikelihoodParameters {
       "samples per particle and image in the filter's updates; more are thinned out evenly; 0 = "
       "all");
     v("backend", backend, "", "what computes it: cpu, cuda, or auto: cuda where a device answers");
+  }
+};
+
+/// Depth images against the model's surfaces, see docs/likelihood.md.
+struct DepthParameters {
+  double truncation = 0.3;
+  double voxel_size = 0;
+  bool store_field = true;
+  int points = 500;
+  double min_range = 0.3;
+  double max_range = 8;
+  double sigma = 0.02;
+  double sigma_per_square_metre = 0.0015;
+  double bias_sigma = 0.002;
+  double clutter = 0.3;
+  double independent_points = 40;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("truncation", truncation, "m", "points farther from every surface than this are clutter");
+    v("voxel_size", voxel_size, "m",
+      "grid of the distance field; 0 = automatic: 4 cm, more where memory asks for it");
+    v("store_field", store_field, "",
+      "keep the distance field on disk, beside the model or in the user's cache directory");
+    v("points", points, "", "points taken from a depth image");
+    v("min_range", min_range, "m", "smaller depths are not used");
+    v("max_range", max_range, "m", "larger depths are not used");
+    v("sigma", sigma, "m", "standard deviation of a point's distance from its surface, at range 0");
+    v("sigma_per_square_metre", sigma_per_square_metre, "m/m^2",
+      "what the noise of a depth adds, times the square of the depth");
+    v("bias_sigma", bias_sigma, "1/m",
+      "what is not known of the sensor's calibration: standard deviation of b in an error b z^2, "
+      "which the filter learns as it tracks; 0 = none");
+    v("clutter", clutter, "", "probability that a point is not on the model");
+    v("independent_points", independent_points, "",
+      "all points of an image together count as so many independent ones");
   }
 };
 
@@ -224,6 +265,7 @@ struct TrackingParameters {
   double max_masked_share = 0.8;
   double min_match_ratio = 0.35;
   double min_evidence = 7;
+  double min_depth_agreement = 0.4;
   double lost_after = 1.5;
   double converged_std_position = 0.1;
   double converged_std_angle_deg = 3;
@@ -244,6 +286,8 @@ struct TrackingParameters {
       "below this share of samples with an image edge in reach a pose is not trusted");
     v("min_evidence", min_evidence, "nats",
       "robust model: likewise, below this mean log-ratio of the visible lines against chance");
+    v("min_depth_agreement", min_depth_agreement, "",
+      "likewise, below this share of depth points on the model");
     v("lost_after", lost_after, "s", "lost when no pose could be trusted for so long");
     v("converged_std_position", converged_std_position, "m",
       "tracking needs a standard deviation per axis below this");
@@ -259,6 +303,7 @@ struct Parameters {
   VisibilityParameters visibility;
   ImageParameters image;
   LikelihoodParameters likelihood;
+  DepthParameters depth;
   RefinementParameters refinement;
   FilterParameters filter;
   TrackingParameters tracking;
@@ -269,6 +314,7 @@ struct Parameters {
     v("visibility", visibility);
     v("image", image);
     v("likelihood", likelihood);
+    v("depth", depth);
     v("refinement", refinement);
     v("filter", filter);
     v("tracking", tracking);

@@ -18,19 +18,6 @@ bool pixelJacobian(const CameraModel& camera, const Eigen::Vector3d& point_camer
   return true;
 }
 
-struct PoseRefiner::NormalEquations {
-  Matrix6 h = Matrix6::Zero();
-  Twist g = Twist::Zero();
-  int matched = 0, used = 0;
-  NormalEquations& operator+=(const NormalEquations& other) {
-    h += other.h;
-    g += other.g;
-    matched += other.matched;
-    used += other.used;
-    return *this;
-  }
-};
-
 /// Samples of one view that a refinement uses, picked once, at its start.
 struct PoseRefiner::ChosenSamples {
   struct Sample {
@@ -94,11 +81,9 @@ PoseRefiner::PoseRefiner(RefinementParameters refinement, LikelihoodParameters l
                          ImageParameters image)
     : refinement_(refinement), likelihood_(likelihood), image_(image) {}
 
-PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
-                                                    const ChosenSamples& chosen,
-                                                    const Pose& base_pose, double search_length,
-                                                    double sigma,
-                                                    const Matrix6* prior_covariance) const {
+NormalEquations PoseRefiner::linearize(const RefinementView& view, const ChosenSamples& chosen,
+                                       const Pose& base_pose, double search_length, double sigma,
+                                       const Matrix6* prior_covariance) const {
   const CameraModel& camera = *view.camera;
   const EdgeImage& image = *view.image;
   const Pose camera_from_map = (base_pose * view.T_base_camera).inverse();
@@ -171,6 +156,19 @@ PoseRefiner::NormalEquations PoseRefiner::linearize(const RefinementView& view,
   return total;
 }
 
+NormalEquations PoseRefiner::linearizeDepth(const RefinementView& view, const Pose& base_pose,
+                                            double progress) const {
+  // Points reach as far as the field at first, and as far as their noise in the end.
+  constexpr double kFinalSigma = 0.005;
+  const double first_sigma = depth_->field().truncation() / 3;
+  const double sigma = first_sigma * std::pow(kFinalSigma / first_sigma, progress);
+  NormalEquations n = depth_->linearize(*view.depth, base_pose * view.T_base_camera, sigma);
+  const Matrix6 to_base = adjoint(view.T_base_camera.inverse());
+  n.h = to_base.transpose() * n.h * to_base;
+  n.g = to_base.transpose() * n.g;
+  return n;
+}
+
 RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, const Pose& start,
                                      const std::optional<PoseGaussian>& prior,
                                      const RefinementEffort& effort) const {
@@ -184,7 +182,8 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
   const int steps = effort.iterations;
   std::vector<ChosenSamples> chosen;
   chosen.reserve(views.size());
-  for (const RefinementView& view : views) chosen.push_back(choose(view, start, effort.samples));
+  for (const RefinementView& view : views)
+    chosen.push_back(view.camera ? choose(view, start, effort.samples) : ChosenSamples());
   for (int step = 0; step < steps; ++step) {
     const double progress = steps > 1 ? static_cast<double>(step) / (steps - 1) : 1;
     const double length =
@@ -193,13 +192,15 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
     const double sigma = std::max(refinement_.sigma, length / 4);
     NormalEquations n;
     for (size_t k = 0; k < views.size(); ++k) {
-      const NormalEquations of_view = linearize(views[k], chosen[k], result.pose, length, sigma,
-                                                prior ? &prior->covariance : nullptr);
-      n += of_view;
+      if (views[k].camera)
+        n += linearize(views[k], chosen[k], result.pose, length, sigma,
+                       prior ? &prior->covariance : nullptr);
+      if (views[k].depth && depth_) n += linearizeDepth(views[k], result.pose, progress);
     }
     result.matched_samples = n.matched;
     result.used_samples = n.used;
-    if (n.matched < 6 && !prior) return result;
+    result.matched_points = n.matched_points;
+    if (n.matched + n.matched_points < 6 && !prior) return result;
     information = n.h;
     Twist gradient = n.g;
     if (prior) {

@@ -15,9 +15,12 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kSameTime = 0.005;  // seconds
+// Depth cameras run beside the colour camera: less than a frame at 30 Hz.
+constexpr double kSameDepthTime = 0.025;
 
 template <class Entry>
-const Entry* nearestInTime(const std::vector<Entry>& sorted, double time) {
+const Entry* nearestInTime(const std::vector<Entry>& sorted, double time,
+                           double tolerance = kSameTime) {
   auto it = std::lower_bound(sorted.begin(), sorted.end(), time,
                              [](const Entry& e, double t) { return e.time < t; });
   const Entry* best = nullptr;
@@ -25,7 +28,7 @@ const Entry* nearestInTime(const std::vector<Entry>& sorted, double time) {
   if (it != sorted.begin() &&
       (!best || std::abs((it - 1)->time - time) < std::abs(best->time - time)))
     best = &*(it - 1);
-  return best && std::abs(best->time - time) <= kSameTime ? best : nullptr;
+  return best && std::abs(best->time - time) <= tolerance ? best : nullptr;
 }
 
 Pose poseFromList(const std::vector<double>& v, const std::string& where) {
@@ -88,6 +91,8 @@ Sequence readSequence(const std::string& directory) {
   if (fs::exists(inside("depth.txt"), ignored)) {
     sequence.depths = readFileList(inside("depth.txt"));
     for (StampedFile& depth : sequence.depths) depth.file = inside(depth.file);
+    std::stable_sort(sequence.depths.begin(), sequence.depths.end(),
+                     [](const StampedFile& a, const StampedFile& b) { return a.time < b.time; });
   }
   Trajectory odometry, truth;
   if (fs::exists(inside("odometry.txt"), ignored))
@@ -108,6 +113,8 @@ Sequence readSequence(const std::string& directory) {
     frame.image_file = inside(entry.file);
     if (const StampedFile* mask = nearestInTime(masks, entry.time))
       frame.mask_file = inside(mask->file);
+    if (const StampedFile* d = nearestInTime(sequence.depths, entry.time, kSameDepthTime))
+      frame.depth_file = d->file;
     if (const StampedPose* p = nearestInTime(odometry, entry.time)) frame.odometry = p->pose;
     if (const StampedPose* p = nearestInTime(truth, entry.time)) frame.ground_truth = p->pose;
     sequence.frames.push_back(std::move(frame));
@@ -129,6 +136,12 @@ cv::Mat readImage(const std::string& file, const CameraModel& camera, bool grey)
                      " pixels, camera.yaml says " + std::to_string(camera.width) + "x" +
                      std::to_string(camera.height));
   return image;
+}
+
+cv::Mat readDepth(const std::string& file, const CameraModel& camera) {
+  cv::Mat depth = readImage(file, camera);
+  if (depth.type() != CV_16UC1) throw InputError(file + ": not a depth image of 16 bits");
+  return depth;
 }
 
 }  // namespace edge_mcl

@@ -17,6 +17,7 @@ struct SequenceFrame {
   std::string time_text;  ///< as in rgb.txt
   std::string image_file;
   std::string mask_file;             ///< empty: none
+  std::string depth_file;            ///< nearest in time; empty: none within 25 ms
   std::optional<Pose> odometry;      ///< T_odom_camera
   std::optional<Pose> ground_truth;  ///< T_map_camera
 };
@@ -44,5 +45,7 @@ Sequence readSequence(const std::string& directory);
 /// Reads an image or mask. @throws InputError when it cannot be decoded or its size differs from
 /// the camera's.
 cv::Mat readImage(const std::string& file, const CameraModel& camera, bool grey = false);
+/// The same for a depth image: 16 bits.
+cv::Mat readDepth(const std::string& file, const CameraModel& camera);
 
 }  // namespace edge_mcl

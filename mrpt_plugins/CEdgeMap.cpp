@@ -1,7 +1,6 @@
 #include "edge_mcl/mrpt_plugins/CEdgeMap.h"
 
 #include <mrpt/config/CConfigFileBase.h>
-#include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/serialization/CArchive.h>
@@ -12,9 +11,9 @@
 #include <sstream>
 
 #include "edge_mcl/core/error.h"
-#include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
+#include "edge_mcl/mrpt_plugins/observation_input.h"
 
 IMPLEMENTS_SERIALIZABLE(CEdgeMap, CMetricMap, edge_mcl)
 MAP_DEFINITION_REGISTER("edge_mcl::CEdgeMap,CEdgeMap", edge_mcl::CEdgeMap)
@@ -116,86 +115,36 @@ void CEdgeMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version)
 
 // ---- Observations
 
-namespace {
-
-struct ImageSource {
-  const mrpt::img::CImage* image = nullptr;
-  const mrpt::img::CImage* mask = nullptr;
-  const mrpt::img::TCamera* camera = nullptr;
-  Pose T_base_camera = Pose::Identity();
-};
-
-std::optional<ImageSource> imageOf(const mrpt::obs::CObservation& obs) {
-  ImageSource source;
-  if (const auto* image = dynamic_cast<const mrpt::obs::CObservationImage*>(&obs)) {
-    image->load();
-    source.image = &image->image;
-    source.camera = &image->cameraParams;
-    source.T_base_camera = toPose(image->cameraPose);
-    if (const auto* masked = dynamic_cast<const CObservationMaskedImage*>(image))
-      if (!masked->ignore_mask.isEmpty()) source.mask = &masked->ignore_mask;
-    return source;
+std::vector<CameraView> CEdgeMap::views(const mrpt::obs::CObservation& obs) const {
+  std::vector<CameraView> result;
+  const std::lock_guard<std::mutex> lock(cache_->mutex);
+  if (localization().usesImages())
+    if (const auto image = imageOf(obs)) {
+      const uint64_t key = keyOf(obs, image->pixels, image->mask);
+      if (!cache_->image || cache_->image_key != key) {
+        cache_->image = map_->prepare(image->camera, image->pixels, image->mask, originOf(obs));
+        cache_->image_key = key;
+      }
+      result.push_back({cache_->image, image->T_base_camera, 1, nullptr});
+    }
+  if (map_->usesDepth() && hasDepth(obs)) {
+    const uint64_t key = keyOf(obs, rangesOf(obs), {});
+    if (!cache_->depth || cache_->depth_key != key) {
+      const auto depth = depthOf(obs);
+      cache_->depth = map_->prepareDepth(depth->image);
+      cache_->T_base_depth = depth->T_base_camera;
+      cache_->depth_key = key;
+    }
+    result.push_back({nullptr, cache_->T_base_depth, 1, cache_->depth});
   }
-  if (const auto* range = dynamic_cast<const mrpt::obs::CObservation3DRangeScan*>(&obs)) {
-    if (!range->hasIntensityImage) return std::nullopt;
-    range->load();
-    source.image = &range->intensityImage;
-    source.camera = &range->cameraParamsIntensity;
-    source.T_base_camera = toPose(range->sensorPose + range->relativePoseIntensityWRTDepth);
-    return source;
-  }
-  return std::nullopt;
-}
-
-cv::Mat pixelsOf(const mrpt::img::CImage& image) {
-  image.forceLoad();
-  if (image.isEmpty()) throw InputError("image observation: the image is empty");
-  return image.asCvMatRef();
-}
-
-/// Tells images apart without reading all of their pixels.
-uint64_t keyOf(const mrpt::obs::CObservation& obs, const cv::Mat& pixels, const cv::Mat& mask) {
-  uint64_t hash = 1469598103934665603ull;
-  const auto mix = [&](uint64_t v) { hash = (hash ^ v) * 1099511628211ull; };
-  mix(reinterpret_cast<uint64_t>(&obs));
-  mix(static_cast<uint64_t>(obs.timestamp.time_since_epoch().count()));
-  for (const cv::Mat* m : {&pixels, &mask}) {
-    mix(reinterpret_cast<uint64_t>(m->data));
-    mix(static_cast<uint64_t>(m->rows) << 32 | static_cast<uint64_t>(m->cols));
-    if (m->empty()) continue;
-    const int row_step = std::max(1, m->rows / 16), column_step = std::max(1, m->cols / 16);
-    for (int y = row_step / 2; y < m->rows; y += row_step)
-      for (int x = column_step / 2; x < m->cols; x += column_step)
-        mix(m->ptr(y)[static_cast<size_t>(x) * m->elemSize()]);
-  }
-  return hash;
-}
-
-}  // namespace
-
-std::optional<CameraView> CEdgeMap::view(const mrpt::obs::CObservation& obs) const {
-  const std::optional<ImageSource> source = imageOf(obs);
-  if (!source) return std::nullopt;
-  const std::string origin = "image observation '" + obs.sensorLabel + "'";
-  const cv::Mat pixels = pixelsOf(*source->image);
-  const cv::Mat mask = source->mask ? pixelsOf(*source->mask) : cv::Mat();
-  const uint64_t key = keyOf(obs, pixels, mask);
-  std::lock_guard<std::mutex> lock(cache_->mutex);
-  if (!cache_->image || cache_->key != key) {
-    cache_->image =
-        localization().prepare(toCameraModel(*source->camera, origin), pixels, mask, origin);
-    cache_->key = key;
-  }
-  return CameraView{cache_->image, source->T_base_camera};
+  return result;
 }
 
 std::vector<double> CEdgeMap::logLikelihoods(const mrpt::obs::CObservation& obs,
                                              const std::vector<Pose>& base_poses) const {
   std::vector<double> result(base_poses.size(), 0);
-  if (const auto v = view(obs)) {
-    const std::vector<PoseScore> scores = localization().evaluate({*v}, base_poses);
-    for (size_t i = 0; i < result.size(); ++i) result[i] = scores[i].log_likelihood;
-  }
+  const std::vector<PoseScore> scores = localization().evaluate(views(obs), base_poses);
+  for (size_t i = 0; i < result.size(); ++i) result[i] = scores[i].log_likelihood;
   return result;
 }
 
@@ -205,7 +154,7 @@ double CEdgeMap::internal_computeObservationLikelihood(
 }
 
 bool CEdgeMap::internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const {
-  return map_ && imageOf(obs).has_value();
+  return map_ && ((map_->usesImages() && hasImage(obs)) || (map_->usesDepth() && hasDepth(obs)));
 }
 
 bool CEdgeMap::internal_insertObservation(const mrpt::obs::CObservation&,

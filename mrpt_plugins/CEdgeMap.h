@@ -17,7 +17,8 @@
 namespace edge_mcl {
 
 /// Scores camera images (CObservationImage, CObservationMaskedImage, and the intensity image of
-/// CObservation3DRangeScan) against the edges of a 3D model.
+/// CObservation3DRangeScan) against the edges of a 3D model, and range images of
+/// CObservation3DRangeScan against its surfaces (likelihood.cues: edges, depth or both).
 ///
 /// In an MRPT ini file, as map number 00 of section [MetricMap]:
 /// @code
@@ -44,9 +45,9 @@ class CEdgeMap : public mrpt::maps::CMetricMap {
   const LocalizationMap& localization() const;
   const std::string& modelFile() const { return model_file_; }
 
-  /// The observation's image, prepared, with the camera's place on the robot; nothing for
-  /// observations without an image. @throws InputError on a broken image, mask or camera.
-  std::optional<CameraView> view(const mrpt::obs::CObservation& obs) const;
+  /// The observation's image and range image, as far as likelihood.cues uses them, prepared; empty
+  /// for other observations. @throws InputError on a broken image, mask or camera.
+  std::vector<CameraView> views(const mrpt::obs::CObservation& obs) const;
 
   /// Log-likelihood of many robot poses (T_map_base) at once: the same numbers that
   /// computeObservationLikelihood gives one by one.
@@ -71,11 +72,13 @@ class CEdgeMap : public mrpt::maps::CMetricMap {
   std::string model_file_;
   std::shared_ptr<const LocalizationMap> map_;
 
-  /// The last image, recognised by address, time and a sample of its pixels.
+  /// The last image and depth, recognised by address, time and a sample of the image's pixels.
   struct ImageCache {
     std::mutex mutex;
-    uint64_t key = 0;
+    uint64_t image_key = 0, depth_key = 0;
     std::shared_ptr<const PreparedImage> image;
+    std::shared_ptr<const DepthPoints> depth;
+    Pose T_base_depth = Pose::Identity();
   };
   std::shared_ptr<ImageCache> cache_ = std::make_shared<ImageCache>();
 

@@ -76,7 +76,7 @@ void CEdgeMonteCarloLocalization3D::prediction_and_update_pfStandardProposal(
   std::vector<CameraView> views;
   if (observation)
     for (const auto& o : *observation)
-      if (const auto v = map_->view(*o)) views.push_back(*v);
+      for (CameraView& view : map_->views(*o)) views.push_back(std::move(view));
   if (!views.empty()) report_ = filter_.update(map_->localization(), views);
   filter_.resample();
   publishParticles();

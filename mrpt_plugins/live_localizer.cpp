@@ -82,17 +82,17 @@ bool LiveLocalizer::hasMoved(const LiveInput& input) const {
          (p.update_min_a_deg > 0 && angle_deg >= p.update_min_a_deg);
 }
 
-std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result) {
+std::vector<CameraView> LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
+                                                     std::string* problem) const {
   const TrackingParameters& p = map_->params().tracking;
   std::vector<CameraView> views;
-  std::string problem;
   for (const LiveInput::View& view : input.views) {
     if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
       const double share =
           static_cast<double>(cv::countNonZero(view.mask)) / static_cast<double>(view.mask.total());
       result->masked_share = std::max(result->masked_share, share);
       if (share > p.max_masked_share) {
-        problem = view.origin + ": the mask leaves too little of the image";
+        *problem = view.origin + ": the mask leaves too little of the image";
         continue;
       }
     }
@@ -100,25 +100,54 @@ std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result)
     try {
       image = map_->prepare(view.camera, view.image, view.mask, view.origin);
     } catch (const Error& e) {
-      problem = e.what();
+      *problem = e.what();
       continue;
     }
     result->image_times.edges += image->times.edges;
     result->image_times.field += image->times.field;
     result->image_times.table += image->times.table;
     if (image->pixels.list().size() < static_cast<size_t>(p.min_edge_pixels)) {
-      problem = view.origin + ": hardly any edges in the image (dark or covered?)";
+      *problem = view.origin + ": hardly any edges in the image (dark or covered?)";
       continue;
     }
     result->images.push_back(image);
-    views.push_back({image, view.T_base_camera});
+    views.push_back({image, view.T_base_camera, 1, nullptr});
   }
-  if (views.empty()) return problem.empty() ? "no image" : problem;
   // While it converges, the mean may see less than some of the particles do.
-  if (state_ != LocalizerState::kConverging &&
+  if (!views.empty() && state_ != LocalizerState::kConverging &&
       map_->evaluate(views, {filter_.estimate().mean}).front().sample_weight <
-          p.min_visible_samples)
-    return "too little of the model in view at the expected pose";
+          p.min_visible_samples) {
+    *problem = "too little of the model in view at the expected pose";
+    views.clear();
+  }
+  return views;
+}
+
+std::vector<CameraView> LiveLocalizer::prepareDepths(const LiveInput& input,
+                                                     std::string* problem) const {
+  constexpr size_t kFewestPoints = 50;
+  std::vector<CameraView> views;
+  for (const LiveInput::Depth& depth : input.depths) {
+    try {
+      std::shared_ptr<const DepthPoints> points = map_->prepareDepth(depth.image);
+      if (points->count < kFewestPoints)
+        *problem = depth.image.origin + ": hardly any depth in range (covered?)";
+      else
+        views.push_back({nullptr, depth.T_base_camera, 1, std::move(points)});
+    } catch (const Error& e) {
+      *problem = e.what();
+    }
+  }
+  return views;
+}
+
+std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result) {
+  std::vector<CameraView> views;
+  std::string problem;
+  if (map_->usesImages()) views = prepareImages(input, result, &problem);
+  if (map_->usesDepth())
+    for (CameraView& view : prepareDepths(input, &problem)) views.push_back(std::move(view));
+  if (views.empty()) return problem.empty() ? "no image" : problem;
   result->report = filter_.update(*map_, views);
   result->updated = true;
   const UpdateReport& r = result->report;
@@ -130,10 +159,15 @@ std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result)
 
 bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
   const TrackingParameters& p = map_->params().tracking;
+  const UpdateReport& r = result.report;
+  if (!result.updated || !r.has_information) return false;
   const bool enough_evidence = map_->params().likelihood.model == LikelihoodModel::kPaper ||
-                               result.report.evidence_per_line >= p.min_evidence;
-  return result.updated && result.report.has_information &&
-         result.match_ratio >= p.min_match_ratio && enough_evidence;
+                               r.evidence_per_line >= p.min_evidence;
+  const bool by_edges = result.match_ratio >= p.min_match_ratio && enough_evidence;
+  const bool by_depth = r.depth_agreement >= p.min_depth_agreement;
+  // What was used must agree, all of it.
+  const bool used_edges = r.visible_lines > 0, used_depth = r.depth_points > 0;
+  return (used_edges || used_depth) && (by_edges || !used_edges) && (by_depth || !used_depth);
 }
 
 void LiveLocalizer::judge(double time, bool trusted, bool used) {

@@ -25,8 +25,13 @@ struct LiveInput {
     Pose T_base_camera = Pose::Identity();
     std::string origin;  ///< named in errors
   };
+  struct Depth {
+    DepthImage image;
+    Pose T_base_camera = Pose::Identity();
+  };
   double time = 0;  ///< seconds
   std::vector<View> views;
+  std::vector<Depth> depths;
   std::optional<Pose> odometry;  ///< T_odom_base at that time
   bool force_update = false;     ///< use the images even without motion
 };
@@ -71,6 +76,9 @@ class LiveLocalizer {
   bool advanceTo(const LiveInput& input, LiveResult* result);
   bool hasMoved(const LiveInput& input) const;
   std::string useImages(const LiveInput& input, LiveResult* result);
+  std::vector<CameraView> prepareImages(const LiveInput& input, LiveResult* result,
+                                        std::string* problem) const;
+  std::vector<CameraView> prepareDepths(const LiveInput& input, std::string* problem) const;
   bool isConfirmed(const LiveResult& result) const;
   void judge(double time, bool trusted, bool used);
 

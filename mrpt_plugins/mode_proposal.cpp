@@ -107,7 +107,7 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
   constexpr double kWider = 3;        // heavier than the estimated covariance: safer weights
   for (size_t i : by_posterior) {
     const RefinementResult& r = refined[i];
-    if (r.matched_samples < 6 || !r.covariance.allFinite()) continue;
+    if (r.matched_samples + r.matched_points < 6 || !r.covariance.allFinite()) continue;
     if (posterior[i] < posterior[by_posterior.front()] - kNegligible) break;
     bool fresh = true;
     for (const GaussianDensity& m : modes_) {

@@ -188,7 +188,7 @@ void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>
   }
   std::vector<double> fixed(n), likelihood(n);
   for (size_t i = 0; i < n; ++i) {
-    report->has_information |= scores[i].sample_weight > 0;
+    report->has_information |= scores[i].sample_weight > 0 || scores[i].depth_points > 0;
     fixed[i] = log_weights_[i] + log_ratio[i];
     likelihood[i] = remaining_exponent * scores[i].log_likelihood;
   }
@@ -203,6 +203,10 @@ bool PoseFilter::spreadBeyondNormals(const LocalizationMap& map,
   const double angle = std::sqrt(cloud.covariance.diagonal().tail<3>().mean());
   const double position = std::sqrt(cloud.covariance.diagonal().head<3>().mean());
   for (const CameraView& view : views) {
+    if (view.depth && map.usesDepth() &&
+        std::hypot(position, angle * view.depth->mean_depth) > map.params().depth.truncation / 3)
+      return true;
+    if (!view.image) continue;
     const CameraModel& camera = view.image->frame.camera;
     const Pose camera_pose = cloud.mean * view.T_base_camera;
     const auto set = map.visibility().cached(map.visibility().cellOf(camera_pose.translation()));
@@ -252,9 +256,47 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
   return compared[1];
 }
 
-UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<CameraView>& views) {
+std::vector<CameraView> PoseFilter::withoutBias(const LocalizationMap& map,
+                                                std::vector<CameraView> views) {
+  size_t sensor = 0;
+  for (CameraView& view : views) {
+    if (!view.depth || !map.usesDepth()) continue;
+    const double sigma = map.params().depth.bias_sigma;
+    if (sensor == depth_biases_.size()) depth_biases_.push_back({0, sigma * sigma});
+    view.depth =
+        std::make_shared<DepthPoints>(edge_mcl::withoutBias(*view.depth, depth_biases_[sensor++]));
+  }
+  return views;
+}
+
+void PoseFilter::learnBias(const LocalizationMap& map, const std::vector<CameraView>& views,
+                           UpdateReport* report) {
+  constexpr double kTrusted = 0.5;  // share of the points on the model
+  // Images of one scene err alike: the bias is never taken as known better than so, times its
+  // prior spread.
+  constexpr double kLeastShare = 0.15;
+  size_t sensor = 0;
+  for (const CameraView& view : views) {
+    if (!view.depth || !map.usesDepth()) continue;
+    DepthBias& bias = depth_biases_[sensor++];
+    report->depth_bias = bias.mean;
+    if (report->depth_agreement < kTrusted) continue;
+    const Matrix6 to_camera = adjoint(view.T_base_camera.inverse());
+    const DepthBias rest =
+        map.depth()->remainingBias(*view.depth, estimate_.mean * view.T_base_camera,
+                                   to_camera * estimate_.covariance * to_camera.transpose());
+    const double least = kLeastShare * map.params().depth.bias_sigma;
+    bias.mean += rest.mean;
+    bias.variance = std::min(bias.variance, std::max(rest.variance, least * least));
+    report->depth_bias = bias.mean;
+  }
+}
+
+UpdateReport PoseFilter::update(const LocalizationMap& map,
+                                const std::vector<CameraView>& raw_views) {
   const auto begin = Clock::now();
   UpdateReport report;
+  const std::vector<CameraView> views = withoutBias(map, raw_views);
   // The particles are weighed by a share of the samples, single poses by all.
   std::vector<CameraView> thinned = views;
   for (CameraView& view : thinned)
@@ -289,9 +331,17 @@ UpdateReport PoseFilter::update(const LocalizationMap& map, const std::vector<Ca
   report.log_likelihood = at_estimate.log_likelihood;
   report.visible_samples = at_estimate.sample_weight;
   report.visible_lines = at_estimate.line_count;
-  report.evidence_per_line =
-      scorePerLine(map.params().likelihood, at_estimate.log_likelihood, at_estimate.line_count);
-  if (report.has_information) trackVelocity();
+  report.evidence_per_line = scorePerLine(
+      map.params().likelihood, at_estimate.log_likelihood - at_estimate.depth_log_likelihood,
+      at_estimate.line_count);
+  report.depth_points = static_cast<int>(at_estimate.depth_points);
+  if (at_estimate.depth_points > 0)
+    report.depth_agreement =
+        static_cast<double>(at_estimate.depth_points_on_model / at_estimate.depth_points);
+  if (report.has_information) {
+    learnBias(map, views, &report);
+    trackVelocity();
+  }
   report.total_ms = millisecondsSince(begin);
   return report;
 }

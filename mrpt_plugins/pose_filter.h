@@ -24,6 +24,9 @@ struct UpdateReport {
   double evidence_per_line = 0;
   int matched_samples = 0;  ///< with an image edge within reach, at the estimate
   int used_samples = 0;
+  int depth_points = 0;          ///< of depth images, used
+  double depth_bias = 0;         ///< 1/m, see DepthBias: what the filter has learnt of it
+  double depth_agreement = 0;    ///< share of them on the model, at the estimate
   int refined_modes = 0;         ///< poses that particles were drawn around
   int passes = 0;                ///< how often the image was used, with exponents below one
   bool has_information = false;  ///< false: nothing of the model in the images; only predicted
@@ -55,6 +58,7 @@ class PoseFilter {
   void predictWithoutOdometry(double dt);
 
   /// Weighs the particles by the images.
+  /// @param views the depth sensors among them always in the same order.
   UpdateReport update(const LocalizationMap& map, const std::vector<CameraView>& views);
 
   /// Resamples now, if the next prediction would.
@@ -80,6 +84,9 @@ class PoseFilter {
   PoseScore sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
                             const PoseGaussian& cloud, const PredictiveDensity& predictive,
                             UpdateReport* report);
+  std::vector<CameraView> withoutBias(const LocalizationMap& map, std::vector<CameraView> views);
+  void learnBias(const LocalizationMap& map, const std::vector<CameraView>& views,
+                 UpdateReport* report);
   std::vector<double> normalizedWeights() const;
 
   FilterParameters params_;
@@ -88,6 +95,7 @@ class PoseFilter {
   std::vector<Pose> poses_;
   std::vector<double> log_weights_;
   PoseGaussian estimate_;
+  std::vector<DepthBias> depth_biases_;  // by depth sensor
   std::optional<Pose> last_estimate_;
   double since_last_estimate_ = 0;        // seconds
   Twist noise_variance_ = Twist::Zero();  // added by prediction since the last update

@@ -37,18 +37,31 @@ FrameResult SequenceLocalizer::step() {
   ++next_;
   try {
     const auto start = std::chrono::steady_clock::now();
-    const cv::Mat image = readImage(frame.image_file, sequence_.camera);
-    cv::Mat mask;
+    cv::Mat image, mask;
+    DepthImage depth{sequence_.camera, {}, sequence_.depth_scale, frame.depth_file, std::nullopt};
+    if (map_.usesImages()) image = readImage(frame.image_file, sequence_.camera);
     if (use_masks_ && !frame.mask_file.empty())
       mask = readImage(frame.mask_file, sequence_.camera, true);
+    if (map_.usesDepth() && !frame.depth_file.empty())
+      depth.depth = readDepth(frame.depth_file, sequence_.camera);
     result.reading_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    result.image = map_.prepare(sequence_.camera, image, mask, frame.image_file);
-    result.image_times = result.image->times;
-    result.report = filter_.update(map_, {{result.image, Pose::Identity()}});
-    result.updated = true;
-    if (!result.report.has_information)
-      result.problem = frame.image_file + ": no model edge in view, pose predicted";
+    CameraView view;
+    if (!image.empty()) {
+      result.image = map_.prepare(sequence_.camera, image, mask, frame.image_file);
+      result.image_times = result.image->times;
+      view.image = result.image;
+    }
+    if (!depth.depth.empty()) {
+      if (!mask.empty()) depth.mask = {mask, sequence_.camera, Pose::Identity()};
+      view.depth = map_.prepareDepth(depth);
+    }
+    if (view.image || view.depth) {
+      result.report = filter_.update(map_, {view});
+      result.updated = true;
+      if (!result.report.has_information)
+        result.problem = frame.image_file + ": nothing of the model in view, pose predicted";
+    }
   } catch (const InputError& e) {
     result.problem = e.what();
   }

@@ -16,9 +16,9 @@ struct FrameResult {
   UpdateReport report;
   StageTimes image_times;
   double reading_ms = 0;
-  bool updated = false;  ///< false: the image or its mask could not be used, pose predicted
-  std::string problem;   ///< why, one line
-  std::shared_ptr<const PreparedImage> image;  ///< null when not updated
+  bool updated = false;  ///< false: pose predicted, as there was nothing to use
+  std::string problem;   ///< one line: what could not be used, and why
+  std::shared_ptr<const PreparedImage> image;  ///< null where not used
 };
 
 class SequenceLocalizer {

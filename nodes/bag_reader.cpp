@@ -7,6 +7,7 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <cmath>
 #include <cstdio>
 #include <map>
 
@@ -20,12 +21,46 @@ struct BagReader::Impl {
   BagTopics topics;
   rosbag::Bag bag;
   std::unique_ptr<tf2::BufferCore> transforms;
-  std::optional<CameraModel> camera;
+  std::optional<CameraModel> camera, depth_camera;
   std::optional<PoseGaussian> initial_pose;
   Trajectory truth;
-  std::unique_ptr<rosbag::View> images, masks;
-  rosbag::View::iterator image, mask;
-  std::map<ros::Time, sensor_msgs::ImageConstPtr> waiting_masks;
+  /// Images that go with those of the camera, read ahead as far as they may be late.
+  struct Companion {
+    std::unique_ptr<rosbag::View> view;
+    rosbag::View::iterator next;
+    std::map<ros::Time, sensor_msgs::ImageConstPtr> waiting;
+
+    void open(const rosbag::Bag& bag, const std::string& topic) {
+      view = std::make_unique<rosbag::View>(bag, rosbag::TopicQuery(topic));
+      next = view->begin();
+    }
+    /// The one nearest to a stamp, and within `tolerance`; older ones are forgotten.
+    sensor_msgs::ImageConstPtr take(const ros::Time& stamp, const ros::Time& received,
+                                    double tolerance) {
+      if (!view) return nullptr;
+      constexpr double kLatest = 2;  // s after its image
+      while ((waiting.empty() || waiting.rbegin()->first < stamp) && next != view->end() &&
+             (*next).getTime() <= received + ros::Duration(kLatest)) {
+        if (const auto message = (*next).instantiate<sensor_msgs::Image>())
+          waiting[message->header.stamp] = message;
+        ++next;
+      }
+      sensor_msgs::ImageConstPtr nearest;
+      for (const auto& [at, message] : waiting) {
+        const double offset = std::abs((at - stamp).toSec());
+        if (offset > tolerance) continue;
+        tolerance = offset;
+        nearest = message;
+      }
+      const ros::Duration kept(0.1);
+      if (stamp.toSec() > kept.toSec())
+        waiting.erase(waiting.begin(), waiting.lower_bound(stamp - kept));
+      return nearest;
+    }
+  };
+  std::unique_ptr<rosbag::View> images;
+  rosbag::View::iterator image;
+  Companion masks, depths;
 
   void readTransforms() {
     rosbag::View all(bag);
@@ -42,12 +77,16 @@ struct BagReader::Impl {
   }
 
   void readSmallThings() {
-    rosbag::View view(bag, rosbag::TopicQuery(std::vector<std::string>{
-                               topics.camera_info, topics.initial_pose, topics.truth}));
+    rosbag::View view(
+        bag, rosbag::TopicQuery(std::vector<std::string>{topics.camera_info, topics.depth_info,
+                                                         topics.initial_pose, topics.truth}));
     for (const rosbag::MessageInstance& m : view) {
       if (m.getTopic() == topics.camera_info && !camera) {
         if (const auto info = m.instantiate<sensor_msgs::CameraInfo>())
           camera = fromMessage(*info, file + ": " + topics.camera_info);
+      } else if (m.getTopic() == topics.depth_info && !depth_camera) {
+        if (const auto info = m.instantiate<sensor_msgs::CameraInfo>())
+          depth_camera = fromMessage(*info, file + ": " + topics.depth_info);
       } else if (const auto pose = m.instantiate<geometry_msgs::PoseWithCovarianceStamped>()) {
         if (m.getTopic() == topics.initial_pose && !initial_pose)
           initial_pose = fromMessage(pose->pose, file + ": " + topics.initial_pose);
@@ -61,20 +100,12 @@ struct BagReader::Impl {
     if (!camera) throw InputError(file + ": no camera_info on " + topics.camera_info);
   }
 
-  /// The mask of a stamp; masks may come up to two seconds after their image.
-  sensor_msgs::ImageConstPtr maskOf(const ros::Time& stamp, const ros::Time& received) {
-    if (!masks) return nullptr;
-    constexpr double kLatest = 2;  // s
-    while (!waiting_masks.count(stamp) && mask != masks->end() &&
-           (*mask).getTime() <= received + ros::Duration(kLatest)) {
-      if (const auto message = (*mask).instantiate<sensor_msgs::Image>())
-        waiting_masks[message->header.stamp] = message;
-      ++mask;
-    }
-    const auto found = waiting_masks.find(stamp);
-    sensor_msgs::ImageConstPtr result = found == waiting_masks.end() ? nullptr : found->second;
-    waiting_masks.erase(waiting_masks.begin(), waiting_masks.upper_bound(stamp));
-    return result;
+  Pose mountingOf(const std::string& frame, const std::string& where) const {
+    std::string why;
+    if (!transforms->canTransform(topics.base_frame, frame, ros::Time(0), &why))
+      throw InputError(where + ": where is the camera on the robot? " + why);
+    return fromMessage(
+        transforms->lookupTransform(topics.base_frame, frame, ros::Time(0)).transform, where);
   }
 
   LiveInput::View viewOf(const sensor_msgs::ImageConstPtr& message, const ros::Time& received) {
@@ -84,16 +115,26 @@ struct BagReader::Impl {
     view.camera = *camera;
     // Copied: what the message holds is gone after this moment.
     view.image = fromMessage(message, where).clone();
-    if (const auto m = maskOf(message->header.stamp, received))
+    if (const auto m = masks.take(message->header.stamp, received, 0))
       view.mask = maskFromMessage(m, where + ": mask").clone();
-    std::string why;
-    if (!transforms->canTransform(topics.base_frame, message->header.frame_id, ros::Time(0), &why))
-      throw InputError(where + ": where is the camera on the robot? " + why);
-    view.T_base_camera = fromMessage(
-        transforms->lookupTransform(topics.base_frame, message->header.frame_id, ros::Time(0))
-            .transform,
-        where);
+    view.T_base_camera = mountingOf(message->header.frame_id, where);
     return view;
+  }
+
+  void addDepth(const LiveInput::View& view, const ros::Time& stamp, const ros::Time& received,
+                LiveInput* input) {
+    constexpr double kSameMoment = 0.025;  // s
+    const auto message = depths.take(stamp, received, kSameMoment);
+    if (!message) return;
+    LiveInput::Depth depth;
+    depth.image.origin = view.origin + ": depth";
+    depth.image.camera = depth_camera ? *depth_camera : *camera;
+    depth.image.depth = depthFromMessage(message, depth.image.origin).clone();
+    depth.T_base_camera = mountingOf(message->header.frame_id, depth.image.origin);
+    if (!view.mask.empty())
+      depth.image.mask = {view.mask, view.camera,
+                          view.T_base_camera.inverse() * depth.T_base_camera};
+    input->depths.push_back(std::move(depth));
   }
 };
 
@@ -107,10 +148,8 @@ BagReader::BagReader(const std::string& file, BagTopics topics) : impl_(std::mak
     m.readSmallThings();
     m.images = std::make_unique<rosbag::View>(m.bag, rosbag::TopicQuery(m.topics.image));
     m.image = m.images->begin();
-    if (!m.topics.mask.empty()) {
-      m.masks = std::make_unique<rosbag::View>(m.bag, rosbag::TopicQuery(m.topics.mask));
-      m.mask = m.masks->begin();
-    }
+    if (!m.topics.mask.empty()) m.masks.open(m.bag, m.topics.mask);
+    if (!m.topics.depth.empty()) m.depths.open(m.bag, m.topics.depth);
   } catch (const rosbag::BagException& e) {
     throw InputError(file + ": cannot be read as a bag: " + e.what());
   }
@@ -144,7 +183,9 @@ bool BagReader::next(LiveInput* input, std::string* problem) {
     if (!odom.empty() && m.transforms->canTransform(odom, base, stamp))
       input->odometry =
           fromMessage(m.transforms->lookupTransform(odom, base, stamp).transform, "odometry");
-    input->views.push_back(m.viewOf(message, (*m.image).getTime()));
+    const ros::Time received = (*m.image).getTime();
+    input->views.push_back(m.viewOf(message, received));
+    m.addDepth(input->views.back(), stamp, received, input);
   } catch (const std::exception& e) {
     *problem = e.what();
   }

@@ -16,6 +16,9 @@ struct BagTopics {
   std::string image = "/camera/image_raw";
   std::string camera_info = "/camera/camera_info";
   std::string mask = "/camera/mask";  ///< empty: masks are not used
+  /// Empty: depth is not used.
+  std::string depth = "/camera/depth/image_raw";
+  std::string depth_info = "/camera/depth/camera_info";  ///< none there: the image's
   std::string truth = "/ground_truth";
   std::string initial_pose = "/initialpose";
   std::string odom_frame = "odom";  ///< empty: odometry is not used
@@ -34,8 +37,8 @@ class BagReader {
   const std::optional<PoseGaussian>& initialPose() const;
   /// T_map_base.
   const Trajectory& truth() const;
-  /// The next moment; masks are those of the image's stamp. A moment that cannot be read has no
-  /// views and says why. @return false at the end.
+  /// The next moment; masks are those of the image's stamp, depth the nearest within 25 ms. A
+  /// moment that cannot be read has no views and says why. @return false at the end.
   bool next(LiveInput* input, std::string* problem);
 
  private:

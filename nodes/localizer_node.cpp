@@ -48,43 +48,46 @@ LocalizerNode::~LocalizerNode() {
   if (worker_.joinable()) worker_.join();
 }
 
-void LocalizerNode::subscribe() {
-  for (const std::string& name : params_.cameraNames())
-    cameras_.push_back({name,
-                        name.empty() ? "camera" : name,
-                        {},
-                        {},
-                        {},
-                        nullptr,
-                        MaskMatcher(params_.use_masks, params_.mask_timeout),
-                        {},
-                        {},
-                        {},
-                        {}});
-  for (size_t i = 0; i < cameras_.size(); ++i) {
-    Camera& camera = cameras_[i];
-    const std::string prefix = camera.name.empty() ? "" : camera.name + "/";
+void LocalizerNode::subscribeToCamera(size_t i) {
+  using Callback = boost::function<void(const sensor_msgs::ImageConstPtr&)>;
+  Camera& camera = cameras_[i];
+  const std::string prefix = camera.name.empty() ? "" : camera.name + "/";
+  const auto keepInfo = [this](const std::string& topic, sensor_msgs::CameraInfoConstPtr* kept) {
+    return nh_.subscribe<sensor_msgs::CameraInfo>(
+        topic, 1,
+        boost::function<void(const sensor_msgs::CameraInfoConstPtr&)>(
+            [this, kept](const sensor_msgs::CameraInfoConstPtr& info) {
+              const std::lock_guard<std::mutex> lock(input_mutex_);
+              *kept = info;
+            }));
+  };
+  camera.info_subscriber = keepInfo(prefix + "camera_info", &camera.info);
+  if (method_.likelihood.cues != Cues::kDepth)
     camera.image_subscriber = transport_.subscribe(
         prefix + "image", 1,
-        boost::function<void(const sensor_msgs::ImageConstPtr&)>(
-            [this, i](const sensor_msgs::ImageConstPtr& image) { receiveImage(i, image); }));
-    camera.info_subscriber = nh_.subscribe<sensor_msgs::CameraInfo>(
-        prefix + "camera_info", 1,
-        boost::function<void(const sensor_msgs::CameraInfoConstPtr&)>(
-            [this, i](const sensor_msgs::CameraInfoConstPtr& info) {
-              const std::lock_guard<std::mutex> lock(input_mutex_);
-              cameras_[i].info = info;
-            }));
-    if (params_.use_masks)
-      camera.mask_subscriber =
-          transport_.subscribe(prefix + "mask", 5,
-                               boost::function<void(const sensor_msgs::ImageConstPtr&)>(
-                                   [this, i](const sensor_msgs::ImageConstPtr& mask) {
-                                     const std::lock_guard<std::mutex> lock(input_mutex_);
-                                     cameras_[i].matcher.addMask(mask);
-                                     input_ready_.notify_all();
-                                   }));
+        Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveImage(i, m); }));
+  if (method_.likelihood.cues != Cues::kEdges) {
+    camera.depth_info_subscriber = keepInfo(prefix + "depth/camera_info", &camera.depth_info);
+    camera.depth_subscriber = transport_.subscribe(
+        prefix + "depth", 2,
+        Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveDepth(i, m); }));
   }
+  if (params_.use_masks)
+    camera.mask_subscriber = transport_.subscribe(
+        prefix + "mask", 5, Callback([this, i](const sensor_msgs::ImageConstPtr& mask) {
+          const std::lock_guard<std::mutex> lock(input_mutex_);
+          cameras_[i].matcher.addMask(mask);
+          input_ready_.notify_all();
+        }));
+}
+
+void LocalizerNode::subscribe() {
+  for (const std::string& name : params_.cameraNames()) {
+    cameras_.emplace_back(params_.use_masks, params_.mask_timeout);
+    cameras_.back().name = name;
+    cameras_.back().origin = name.empty() ? "camera" : name;
+  }
+  for (size_t i = 0; i < cameras_.size(); ++i) subscribeToCamera(i);
   // Carried over into the map at its own rate, whatever the localizer takes its odometry from.
   subscribers_.push_back(nh_.subscribe("odom", 50, &LocalizerNode::receiveOdometry, this));
   subscribers_.push_back(nh_.subscribe("initialpose", 2, &LocalizerNode::receiveInitialPose, this));
@@ -117,6 +120,21 @@ void LocalizerNode::receiveImage(size_t camera, const sensor_msgs::ImageConstPtr
   ++images_received_;
   cameras_[camera].matcher.addImage(image, ros::WallTime::now().toSec());
   input_ready_.notify_all();
+}
+
+void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr& depth) {
+  constexpr size_t kKept = 8;
+  {
+    const std::lock_guard<std::mutex> lock(input_mutex_);
+    std::deque<sensor_msgs::ImageConstPtr>& depths = cameras_[camera].depths;
+    depths.push_back(depth);
+    if (depths.size() > kKept) depths.pop_front();
+  }
+  // Without images it is depth that sets the pace.
+  if (method_.likelihood.cues == Cues::kDepth)
+    receiveImage(camera, depth);
+  else
+    input_ready_.notify_all();
 }
 
 void LocalizerNode::receiveOdometry(const nav_msgs::OdometryConstPtr& odometry) {

@@ -14,6 +14,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -39,12 +40,17 @@ class LocalizerNode {
  private:
   /// One camera and what came from it.
   struct Camera {
+    Camera(bool use_masks, double mask_timeout) : matcher(use_masks, mask_timeout) {}
     std::string name, origin;
     image_transport::Subscriber image_subscriber, mask_subscriber;
     ros::Subscriber info_subscriber;
     sensor_msgs::CameraInfoConstPtr info;
     MaskMatcher matcher;
     std::optional<MaskMatcher::Match> match;  // newest complete one
+    image_transport::Subscriber depth_subscriber;
+    ros::Subscriber depth_info_subscriber;
+    sensor_msgs::CameraInfoConstPtr depth_info;
+    std::deque<sensor_msgs::ImageConstPtr> depths;  // newest last
     // Of the mask that was used last, for mask_policy use_last.
     cv::Mat last_mask;
     ros::Time last_mask_at;
@@ -53,7 +59,9 @@ class LocalizerNode {
   struct Moment;
 
   void subscribe();
+  void subscribeToCamera(size_t camera);
   void receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image);
+  void receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr& depth);
   void receiveOdometry(const nav_msgs::OdometryConstPtr& odometry);
   void receiveInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message);
   std::string setPose(const geometry_msgs::PoseWithCovarianceStamped& message);
@@ -65,10 +73,15 @@ class LocalizerNode {
 
   void work();
   std::optional<Moment> nextMoment();
+  sensor_msgs::ImageConstPtr awaitDepth(size_t camera, const ros::Time& stamp,
+                                        std::unique_lock<std::mutex>* lock);
   void process(const Moment& moment);
   std::optional<Pose> odometryAt(const ros::Time& stamp, std::string* problem);
   bool addView(const Moment& moment, size_t camera, const std::optional<Pose>& odometry,
                LiveInput* input, double* mask_age, std::string* problem);
+  void addDepth(const Moment& moment, size_t camera, const std::optional<Pose>& odometry,
+                LiveInput* input, double* mask_age, std::string* problem);
+  Pose mountingOf(const std::string& frame, const std::string& origin) const;
   cv::Mat maskFor(Camera* camera, const MaskMatcher::Match& match, const CameraModel& model,
                   const std::optional<Pose>& T_odom_camera, bool* skip, double* age);
 

@@ -15,7 +15,8 @@ namespace edge_mcl {
 struct LocalizerNode::Moment {
   ros::Time stamp;                                         ///< of the first camera's image
   std::vector<std::optional<MaskMatcher::Match>> matches;  ///< by camera
-  std::vector<sensor_msgs::CameraInfoConstPtr> infos;
+  std::vector<sensor_msgs::CameraInfoConstPtr> infos, depth_infos;
+  std::vector<sensor_msgs::ImageConstPtr> depths;  ///< by camera; null: none
   uint32_t received = 0, dropped = 0;
 };
 
@@ -58,13 +59,38 @@ std::optional<LocalizerNode::Moment> LocalizerNode::nextMoment() {
       else
         input_ready_.wait_for(lock, std::chrono::milliseconds(1));
     }
+  for (size_t i = 0; i < cameras_.size(); ++i)
+    moment.depths.push_back(awaitDepth(i, moment.stamp, &lock));
   for (const Camera& camera : cameras_) {
+    moment.depth_infos.push_back(camera.depth_info);
     moment.matches.push_back(inWindow(camera) ? camera.match : std::nullopt);
     moment.infos.push_back(camera.info);
     moment.dropped += static_cast<uint32_t>(camera.matcher.dropped());
   }
   moment.received = images_received_;
   return moment;
+}
+
+sensor_msgs::ImageConstPtr LocalizerNode::awaitDepth(size_t number, const ros::Time& stamp,
+                                                     std::unique_lock<std::mutex>* lock) {
+  if (method_.likelihood.cues == Cues::kEdges) return nullptr;
+  const double until = ros::WallTime::now().toSec() + params_.depth_timeout;
+  while (running_) {
+    sensor_msgs::ImageConstPtr nearest;
+    double least = params_.depth_window;
+    bool newer = false;
+    for (const sensor_msgs::ImageConstPtr& depth : cameras_[number].depths) {
+      const double offset = (depth->header.stamp - stamp).toSec();
+      newer |= offset >= 0;
+      if (std::abs(offset) > least) continue;
+      least = std::abs(offset);
+      nearest = depth;
+    }
+    // A later one can only be farther away.
+    if (newer || ros::WallTime::now().toSec() >= until) return nearest;
+    input_ready_.wait_for(*lock, std::chrono::milliseconds(2));
+  }
+  return nullptr;
 }
 
 std::optional<Pose> LocalizerNode::odometryAt(const ros::Time& stamp, std::string* problem) {
@@ -115,6 +141,51 @@ cv::Mat LocalizerNode::maskFor(Camera* camera, const MaskMatcher::Match& match,
                   T_odom_camera->linear().transpose() * *camera->last_mask_rotation);
 }
 
+Pose LocalizerNode::mountingOf(const std::string& frame, const std::string& origin) const {
+  std::string why;
+  if (!tf_.canTransform(params_.base_frame_id, frame, ros::Time(0), ros::Duration(0), &why))
+    throw InputError(origin + ": where is it on the robot? " + why);
+  return fromMessage(tf_.lookupTransform(params_.base_frame_id, frame, ros::Time(0)).transform,
+                     frame);
+}
+
+void LocalizerNode::addDepth(const Moment& moment, size_t number,
+                             const std::optional<Pose>& odometry, LiveInput* input,
+                             double* mask_age, std::string* problem) {
+  Camera& camera = cameras_[number];
+  const std::string origin = camera.origin + " depth";
+  try {
+    const sensor_msgs::ImageConstPtr& message = moment.depths[number];
+    if (!message) throw InputError(origin + ": no depth image in time");
+    // Registered to the colour camera, it may come without a calibration of its own.
+    const sensor_msgs::CameraInfoConstPtr& info =
+        moment.depth_infos[number] ? moment.depth_infos[number] : moment.infos[number];
+    if (!info) throw InputError(origin + ": no camera_info yet");
+    LiveInput::Depth depth;
+    depth.image.origin = origin;
+    depth.image.camera = fromMessage(*info, origin + " camera_info");
+    depth.image.depth = depthFromMessage(message, origin);
+    depth.image.units_per_metre = 1000;
+    depth.T_base_camera = mountingOf(message->header.frame_id, origin);
+    for (const LiveInput::View& view : input->views)
+      if (view.origin == camera.origin && !view.mask.empty())
+        depth.image.mask = {view.mask, view.camera,
+                            view.T_base_camera.inverse() * depth.T_base_camera};
+    if (method_.likelihood.cues == Cues::kDepth && params_.use_masks && moment.matches[number]) {
+      std::optional<Pose> T_odom_camera;
+      if (odometry) T_odom_camera = *odometry * depth.T_base_camera;
+      bool skip = false;
+      const cv::Mat mask = maskFor(&camera, *moment.matches[number], depth.image.camera,
+                                   T_odom_camera, &skip, mask_age);
+      if (skip) throw InputError(origin + ": no mask in time, image not used");
+      if (!mask.empty()) depth.image.mask = {mask, depth.image.camera, Pose::Identity()};
+    }
+    input->depths.push_back(std::move(depth));
+  } catch (const std::exception& e) {
+    *problem = e.what();
+  }
+}
+
 bool LocalizerNode::addView(const Moment& moment, size_t number,
                             const std::optional<Pose>& odometry, LiveInput* input, double* mask_age,
                             std::string* problem) {
@@ -128,11 +199,7 @@ bool LocalizerNode::addView(const Moment& moment, size_t number,
     view.origin = camera.origin;
     view.camera = fromMessage(*moment.infos[number], camera.origin + " camera_info");
     view.image = fromMessage(match.image, camera.origin);
-    std::string why;
-    if (!tf_.canTransform(params_.base_frame_id, frame, ros::Time(0), ros::Duration(0), &why))
-      throw InputError(camera.origin + ": where is it on the robot? " + why);
-    view.T_base_camera = fromMessage(
-        tf_.lookupTransform(params_.base_frame_id, frame, ros::Time(0)).transform, frame);
+    view.T_base_camera = mountingOf(frame, camera.origin);
     if (params_.use_masks) {
       std::optional<Pose> T_odom_camera;
       if (odometry) T_odom_camera = *odometry * view.T_base_camera;
@@ -157,8 +224,12 @@ void LocalizerNode::process(const Moment& moment) {
   LiveInput input;
   input.time = moment.stamp.toSec();
   input.odometry = context.odometry;
-  for (size_t i = 0; i < moment.matches.size(); ++i)
-    addView(moment, i, context.odometry, &input, &context.mask_age, &problem);
+  for (size_t i = 0; i < moment.matches.size(); ++i) {
+    if (method_.likelihood.cues != Cues::kDepth)
+      addView(moment, i, context.odometry, &input, &context.mask_age, &problem);
+    if (method_.likelihood.cues != Cues::kEdges)
+      addDepth(moment, i, context.odometry, &input, &context.mask_age, &problem);
+  }
 
   const std::lock_guard<std::mutex> lock(localizer_mutex_);
   input.force_update = force_update_;
@@ -166,7 +237,8 @@ void LocalizerNode::process(const Moment& moment) {
   for (const LiveInput::View& view : input.views)
     context.T_base_camera.push_back(view.T_base_camera);
   LiveResult result = localizer_->process(input);
-  if (!problem.empty() && (result.problem.empty() || input.views.empty())) result.problem = problem;
+  if (!problem.empty() && (result.problem.empty() || (input.views.empty() && input.depths.empty())))
+    result.problem = problem;
   if (result.updated) ++updates_;
   context.images_received = moment.received;
   context.images_dropped = moment.dropped;

@@ -52,14 +52,13 @@ std::string trySet(const std::string& name, const std::string& value, NodeParame
   return fault;
 }
 
-/// Names that other libraries read from the same namespace.
-bool isForeign(const std::string& name) {
+}  // namespace
+
+bool isForeignParameter(const std::string& name) {
   for (const char* prefix : {"image_transport", "num_worker_threads"})
     if (name.rfind(prefix, 0) == 0) return true;
   return false;
 }
-
-}  // namespace
 
 void NodeParameters::validate() const {
   std::string faults;
@@ -75,6 +74,8 @@ void NodeParameters::validate() const {
   require(not_negative(transform_tolerance), "transform_tolerance must be zero or more");
   require(not_negative(transform_timeout), "transform_timeout must be zero or more");
   require(not_negative(camera_window), "camera_window must be zero or more");
+  require(not_negative(depth_timeout), "depth_timeout must be zero or more");
+  require(not_negative(depth_window), "depth_window must be zero or more");
   require(not_negative(mask_timeout), "mask_timeout must be zero or more");
   require(not_negative(save_pose_rate), "save_pose_rate must be zero or more");
   require(max_cloud_poses >= 1, "max_cloud_poses must be at least 1");
@@ -121,7 +122,7 @@ void applyParameters(const std::map<std::string, std::string>& values, NodeParam
     faults += (faults.empty() ? "" : "; ") + fault;
   };
   for (const auto& [name, value] : values) {
-    if (isForeign(name)) continue;
+    if (isForeignParameter(name)) continue;
     bool known = false;
     const std::string fault = trySet(name, value, node, &known);
     if (!fault.empty()) complain(fault);

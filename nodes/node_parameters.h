@@ -25,6 +25,8 @@ struct NodeParameters {
   bool use_masks = false;
   double mask_timeout = 0.2;
   std::string mask_policy = "unmasked";
+  double depth_timeout = 0.1;
+  double depth_window = 0.025;
   int max_cloud_poses = 500;
   double save_pose_rate = 0.5;
   double update_min_d = 0, update_min_a = 0;
@@ -39,7 +41,7 @@ struct NodeParameters {
     v("model_file", model_file, "", "the building: OBJ, PLY, DAE, IFC, ...");
     v("cameras", cameras, "",
       "names of the cameras, list or with commas; each has topics NAME/image, NAME/camera_info, "
-      "NAME/mask; empty: one camera, image, camera_info, mask");
+      "NAME/mask, NAME/depth, NAME/depth/camera_info; empty: one camera, image, camera_info, ...");
     v("global_frame_id", global_frame_id, "", "frame of the model");
     v("odom_frame_id", odom_frame_id, "", "frame of the odometry");
     v("base_frame_id", base_frame_id, "", "frame of the robot");
@@ -52,6 +54,8 @@ struct NodeParameters {
     v("mask_timeout", mask_timeout, "s", "how long the mask of an image is awaited");
     v("mask_policy", mask_policy, "",
       "without a mask in time: unmasked, skip_update, or use_last (turned with the camera)");
+    v("depth_timeout", depth_timeout, "s", "how long the depth image of an image is awaited");
+    v("depth_window", depth_window, "s", "an image and a depth image this close are one moment");
     v("max_cloud_poses", max_cloud_poses, "", "poses in particlecloud at most");
     v("save_pose_rate", save_pose_rate, "Hz",
       "how often the pose is stored in initial_pose_*; 0 = never");
@@ -88,5 +92,8 @@ void applyParameters(const std::map<std::string, std::string>& values, NodeParam
 
 /// All parameters of a private namespace, as text.
 std::map<std::string, std::string> readPrivateParameters(const ros::NodeHandle& private_nh);
+
+/// Names that other libraries read from the same namespace.
+bool isForeignParameter(const std::string& name);
 
 }  // namespace edge_mcl

@@ -82,6 +82,8 @@ void ResultPublisher::publishStatus(const LiveResult& result, const LiveLocalize
   status.evidence = static_cast<float>(r.evidence_per_line);
   status.visible_lines = static_cast<float>(r.visible_lines);
   status.visible_samples = static_cast<float>(r.visible_samples);
+  status.depth_points = static_cast<float>(r.depth_points);
+  status.depth_agreement = static_cast<float>(r.depth_agreement);
   status.masked_share = static_cast<float>(result.masked_share);
   const Twist variance = result.estimate.covariance.diagonal();
   status.position_std = static_cast<float>(std::sqrt(variance.head<3>().maxCoeff()));

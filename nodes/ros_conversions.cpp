@@ -166,6 +166,19 @@ cv::Mat fromMessage(const sensor_msgs::ImageConstPtr& message, const std::string
   }
 }
 
+cv::Mat depthFromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin) {
+  namespace encodings = sensor_msgs::image_encodings;
+  checkSize(*message, origin);
+  const bool metres = message->encoding == encodings::TYPE_32FC1;
+  if (!metres && message->encoding != encodings::TYPE_16UC1 &&
+      message->encoding != encodings::MONO16)
+    throw InputError(origin + ": a depth image must be 16UC1 or 32FC1, not '" + message->encoding +
+                     "'");
+  if (message->is_bigendian) throw InputError(origin + ": a big-endian depth image cannot be used");
+  return {static_cast<int>(message->height), static_cast<int>(message->width),
+          metres ? CV_32FC1 : CV_16UC1, const_cast<uint8_t*>(message->data.data()), message->step};
+}
+
 cv::Mat maskFromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin) {
   checkSize(*message, origin);
   if (sensor_msgs::image_encodings::numChannels(message->encoding) != 1 ||

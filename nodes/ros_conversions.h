@@ -46,6 +46,8 @@ sensor_msgs::ImagePtr toImage(const cv::Mat& image, const std::string& encoding,
 /// Shares the message's pixels where no conversion is needed: colour (bgr8) or grey (mono8).
 /// @throws InputError on a truncated image or an encoding that means nothing here.
 cv::Mat fromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin);
+/// Shares a depth image: 16UC1 or mono16 (millimetres) or 32FC1 (metres). @throws InputError
+cv::Mat depthFromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin);
 /// An ignore mask: mono8, non-zero = ignore. @throws InputError
 cv::Mat maskFromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin);
 

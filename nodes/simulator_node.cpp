@@ -7,8 +7,7 @@
 #include <limits>
 
 #include "edge_mcl/core/error.h"
-#include "edge_mcl/core/parameter_text.h"
-#include "edge_mcl/nodes/node_parameters.h"
+#include "edge_mcl/nodes/private_parameters.h"
 #include "edge_mcl/nodes/ros_conversions.h"
 
 namespace edge_mcl {
@@ -28,37 +27,19 @@ struct SimulatorParameters {
     v("speed", speed);
     v("seed", seed);
   }
-};
-
-SimulatorParameters readParameters(const ros::NodeHandle& private_nh) {
-  SimulatorParameters params;
-  std::string faults;
-  for (const auto& [name, value] : readPrivateParameters(private_nh)) {
-    bool known = false;
-    std::vector<std::string> names;
-    params.visit([&](const char* field_name, auto& field) {
-      names.emplace_back(field_name);
-      if (name != field_name) return;
-      known = true;
-      if (!parameter_text::fromText(value, &field))
-        faults += "parameter '~" + name + "': '" + value + "' is not " +
-                  parameter_text::typeName(field) + "; ";
-    });
-    if (!known)
-      faults +=
-          "unknown parameter '~" + name + "' (nearest: '~" + nearestName(name, names) + "'); ";
+  std::vector<std::string> faults() const {
+    std::vector<std::string> list;
+    if (scenario.empty()) list.emplace_back("~scenario is not set");
+    if (!(speed >= 0)) list.emplace_back("~speed must be zero or more");
+    return list;
   }
-  if (params.scenario.empty()) faults += "~scenario is not set; ";
-  if (!(params.speed >= 0)) faults += "~speed must be zero or more; ";
-  if (!faults.empty()) throw ParameterError(faults.substr(0, faults.size() - 2));
-  return params;
-}
+};
 
 }  // namespace
 
 SimulatorNode::SimulatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : nh_(nh) {
-  const SimulatorParameters params = readParameters(private_nh);
+  const auto params = readParameterStruct<SimulatorParameters>(private_nh);
   live_ = params.live;
   speed_ = params.speed;
   Scenario scenario = Scenario::fromYamlFile(params.scenario);

@@ -159,6 +159,53 @@ TEST(EdgeMap, ScoresTheIntensityImageOfARangeScan) {
             map.computeObservationLikelihood(*obs, base));
 }
 
+TEST(EdgeMap, ScoresTheRangeImageOfARangeScan) {
+  Parameters params;
+  params.likelihood.cues = Cues::kDepth;
+  params.depth.store_field = false;
+  const CEdgeMap map(roomFile(), params);
+  const CameraModel camera = test::pinhole(160, 120, 125);
+  const cv::Mat metres = test::renderDepth(test::furnishedRooms(), camera, kView);
+  DepthImage image;
+  image.camera = camera;
+  metres.convertTo(image.depth, CV_16U, 1000);
+  CameraView view;
+  view.depth = map.localization().prepareDepth(image);
+  // A sensor 20 cm ahead of the base, which looks along its x axis.
+  const mrpt::poses::CPose3D mounting(0.2, 0, 0, 0, 0, 0);
+  const Pose base = kView * opticalOnBody().inverse() * toPose(mounting).inverse();
+  const double expected = map.localization().evaluate({view}, {kView}).front().log_likelihood;
+  ASSERT_GT(expected, 20);
+
+  mrpt::obs::CObservation3DRangeScan scan;
+  scan.sensorPose = mounting;
+  scan.cameraParams = toMrpt(camera);
+  EXPECT_FALSE(map.canComputeObservationLikelihood(scan));
+  scan.hasRangeImage = true;
+  scan.rangeUnits = 0.001f;
+  scan.range_is_depth = true;
+  scan.rangeImage.resize(120, 160);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) scan.rangeImage(y, x) = image.depth.at<uint16_t>(y, x);
+  EXPECT_TRUE(map.canComputeObservationLikelihood(scan));
+  // The same points; the pose takes another way, which costs some bits.
+  EXPECT_NEAR(map.computeObservationLikelihood(scan, toMrpt(base)), expected, 0.05);
+
+  // Along the rays, in units of 0.5 mm: rounded otherwise, a hundredth of the noise.
+  scan.range_is_depth = false;
+  scan.rangeUnits = 0.0005f;
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x)
+      scan.rangeImage(y, x) = static_cast<uint16_t>(
+          std::lround(metres.at<float>(y, x) * test::plainRay(camera, x, y).norm() / 0.0005));
+  EXPECT_NEAR(map.computeObservationLikelihood(scan, toMrpt(base)), expected, 0.3);
+
+  scan.rangeImage.resize(10, 10);
+  EXPECT_THROW(map.computeObservationLikelihood(scan, toMrpt(base)), std::exception);
+  // Images say nothing here.
+  EXPECT_FALSE(map.canComputeObservationLikelihood(*roomObservation(opticalOnBody())));
+}
+
 TEST(EdgeMap, BrokenObservationsAreErrors) {
   const CEdgeMap map(roomFile(), Parameters());
   auto obs = roomObservation(opticalOnBody());

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """A bag: written by the simulator, read directly, and played through the node. And how the node ends
 when it cannot begin."""
+import json
 import math
 import os
 import subprocess
@@ -62,7 +63,7 @@ class Playback(unittest.TestCase):
     def test_played_and_read_directly(self):
         tool('simulate', FLIGHT, self.bag)
         for name in ('first.txt', 'second.txt'):
-            tool('localize', self.bag, '--model', MODEL, '--particles', '500', '--out',
+            tool('localize', self.bag, '--model', MODEL, '--depth', '--particles', '500', '--out',
                  self.path(name))
         with open(self.path('first.txt')) as a, open(self.path('second.txt')) as b:
             self.assertEqual(a.read(), b.read())
@@ -82,7 +83,7 @@ class Playback(unittest.TestCase):
         with rosbag.Bag(self.bag) as bag:
             messages = list(bag.read_messages(topics=[
                 '/tf', '/tf_static', '/initialpose', '/camera/mask', '/camera/camera_info',
-                '/camera/image_raw']))
+                '/camera/depth/image_raw', '/camera/depth/camera_info', '/camera/image_raw']))
         for topic, message, _ in messages:
             if topic not in publishers:
                 publishers[topic] = rospy.Publisher(topic, message.__class__, queue_size=10,
@@ -105,6 +106,26 @@ class Playback(unittest.TestCase):
         self.assertEqual(len(apart), 61)
         self.assertLess(max(apart), 1e-6)
         del subscriber
+
+    def test_depth_is_a_cue(self):
+        tool('simulate', FLIGHT, self.bag)
+        with rosbag.Bag(self.bag) as bag:
+            truth = {round(m.header.stamp.to_sec(), 4): m.pose.position
+                     for _, m, _ in bag.read_messages(topics='/ground_truth')}
+        for options in (['--depth'], ['--set', 'likelihood.cues=depth']):
+            stats = self.path('stats.json')
+            tool('localize', self.bag, '--model', MODEL, '--particles', '500', '--out',
+                 self.path('depth.txt'), '--stats', stats, *options)
+            with open(stats) as f:
+                images = json.load(f)['images']
+            self.assertGreater(min(i['depth_points'] for i in images), 300)
+            # What the masks hide is left out: the person would be off the model.
+            self.assertGreater(min(i['depth_agreement'] for i in images[15:]), 0.6)
+            errors = [math.dist(p[:3], (truth[t].x, truth[t].y, truth[t].z))
+                      for t, p in sorted(read_trajectory(self.path('depth.txt')).items())]
+            self.assertLess(max(errors[15:]), 0.05)
+        self.assertIn('depth', tool('localize', self.bag, '--model', MODEL, '--topics',
+                                    'depht=/x', status=2))
 
     def test_direct_reading_says_what_is_wrong(self):
         tool('simulate', FLIGHT, self.bag, '--images', '5')

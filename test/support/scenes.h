@@ -97,52 +97,89 @@ inline CameraModel pinhole(int width = 640, int height = 480, double focal = 500
   return camera;
 }
 
-/// Flat-shaded picture without distortion: every pixel's ray against every triangle
-/// (Moeller-Trumbore); slow and plain on purpose.
+/// Every ray against every triangle (Moeller-Trumbore); slow and plain on purpose.
+class PlainRayCaster {
+ public:
+  PlainRayCaster(const MeshModel& mesh, const Pose& camera_pose) {
+    const Pose to_camera = camera_pose.inverse();
+    for (const auto& t : mesh.triangles) {
+      const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>();
+      const Eigen::Vector3d e1 = mesh.vertices[t[1]].cast<double>() - a;
+      const Eigen::Vector3d e2 = mesh.vertices[t[2]].cast<double>() - a;
+      triangles_.push_back({to_camera * a, to_camera.linear() * e1, to_camera.linear() * e2});
+    }
+  }
+  struct Hit {
+    int face = -1;
+    double depth = std::numeric_limits<double>::infinity();
+  };
+  /// @param d camera axes; depth is in its units.
+  Hit cast(const Eigen::Vector3d& d) const {
+    Hit hit;
+    for (size_t i = 0; i < triangles_.size(); ++i) {
+      const Triangle& t = triangles_[i];
+      const Eigen::Vector3d p = d.cross(t.e2);
+      const double det = t.e1.dot(p);
+      if (std::abs(det) < 1e-12) continue;
+      const Eigen::Vector3d q = -t.a;
+      const double b1 = q.dot(p) / det;
+      if (b1 < 0 || b1 > 1) continue;
+      const Eigen::Vector3d r = q.cross(t.e1);
+      const double b2 = d.dot(r) / det;
+      if (b2 < 0 || b1 + b2 > 1) continue;
+      const double depth = t.e2.dot(r) / det;
+      if (depth > 0.01 && depth < hit.depth) hit = {static_cast<int>(i), depth};
+    }
+    return hit;
+  }
+
+ private:
+  struct Triangle {
+    Eigen::Vector3d a, e1, e2;
+  };
+  std::vector<Triangle> triangles_;
+};
+
+/// Ray of a pixel of an undistorted camera, depth 1.
+inline Eigen::Vector3d plainRay(const CameraModel& camera, double u, double v) {
+  return {(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1};
+}
+
+/// Flat-shaded picture without distortion.
 inline cv::Mat render(const MeshModel& mesh, const CameraModel& camera, const Pose& pose,
                       int supersampling = 2) {
   const int s = supersampling;
   cv::Mat big(camera.height * s, camera.width * s, CV_8U, cv::Scalar(30));
   const Eigen::Vector3d light = Eigen::Vector3d(0.3, -0.5, 0.8).normalized();
-  struct Triangle {
-    Eigen::Vector3d a, e1, e2;
-    double shade;
-  };
-  std::vector<Triangle> triangles;
-  const Pose to_camera = pose.inverse();
+  std::vector<double> shades;
   for (const auto& t : mesh.triangles) {
     const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>();
-    const Eigen::Vector3d e1 = mesh.vertices[t[1]].cast<double>() - a;
-    const Eigen::Vector3d e2 = mesh.vertices[t[2]].cast<double>() - a;
-    const Eigen::Vector3d n = e1.cross(e2).normalized();
-    const double shade = 120 + 70 * n.dot(light) + 25 * n.x() + 15 * n.y();
-    triangles.push_back({to_camera * a, to_camera.linear() * e1, to_camera.linear() * e2, shade});
+    const Eigen::Vector3d n = (mesh.vertices[t[1]].cast<double>() - a)
+                                  .cross(mesh.vertices[t[2]].cast<double>() - a)
+                                  .normalized();
+    shades.push_back(120 + 70 * n.dot(light) + 25 * n.x() + 15 * n.y());
   }
+  const PlainRayCaster rays(mesh, pose);
   for (int y = 0; y < big.rows; ++y)
     for (int x = 0; x < big.cols; ++x) {
-      const double u = (x + 0.5) / s - 0.5, v = (y + 0.5) / s - 0.5;
-      const Eigen::Vector3d d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
-      double nearest = std::numeric_limits<double>::infinity();
-      for (const Triangle& t : triangles) {
-        const Eigen::Vector3d p = d.cross(t.e2);
-        const double det = t.e1.dot(p);
-        if (std::abs(det) < 1e-12) continue;
-        const Eigen::Vector3d q = -t.a;
-        const double b1 = q.dot(p) / det;
-        if (b1 < 0 || b1 > 1) continue;
-        const Eigen::Vector3d r = q.cross(t.e1);
-        const double b2 = d.dot(r) / det;
-        if (b2 < 0 || b1 + b2 > 1) continue;
-        const double depth = t.e2.dot(r) / det;
-        if (depth > 0.01 && depth < nearest) {
-          nearest = depth;
-          big.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(t.shade);
-        }
-      }
+      const auto hit = rays.cast(plainRay(camera, (x + 0.5) / s - 0.5, (y + 0.5) / s - 0.5));
+      if (hit.face >= 0) big.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(shades[hit.face]);
     }
   cv::Mat image;
   cv::resize(big, image, cv::Size(camera.width, camera.height), 0, 0, cv::INTER_AREA);
   return image;
+}
+
+/// Exact depth image in metres, without distortion; 0 where nothing is.
+inline cv::Mat renderDepth(const MeshModel& mesh, const CameraModel& camera, const Pose& pose) {
+  cv::Mat depth(camera.height, camera.width, CV_32F, cv::Scalar(0));
+  const PlainRayCaster rays(mesh, pose);
+  for (int y = 0; y < depth.rows; ++y)
+    for (int x = 0; x < depth.cols; ++x) {
+      const auto hit = rays.cast(plainRay(camera, x, y));
+      if (hit.face >= 0) depth.at<float>(y, x) = static_cast<float>(hit.depth);
+    }
+  return depth;
 }
 
 /// The camera with a lens of every model's kind.

@@ -1,4 +1,4 @@
-#include "edge_mcl/sim/camera_rays.h"
+#include "edge_mcl/core/camera_rays.h"
 
 #include <tbb/parallel_for.h>
 

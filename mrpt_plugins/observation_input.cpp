@@ -1,0 +1,126 @@
+#include "edge_mcl/mrpt_plugins/observation_input.h"
+
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationImage.h>
+
+#include <algorithm>
+
+#include "edge_mcl/core/camera_rays.h"
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
+#include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
+
+namespace edge_mcl {
+
+using mrpt::obs::CObservation3DRangeScan;
+using mrpt::obs::CObservationImage;
+
+namespace {
+
+cv::Mat pixelsOf(const mrpt::img::CImage& image, const std::string& origin) {
+  image.forceLoad();
+  if (image.isEmpty()) throw InputError(origin + ": the image is empty");
+  return image.asCvMatRef();
+}
+
+/// Depth along the optical axis from distances along the rays.
+cv::Mat depthFromRanges(const cv::Mat& ranges, const CameraModel& camera, double units_per_metre) {
+  cv::Mat depth(ranges.size(), CV_32FC1, cv::Scalar(0));
+  for (int y = 0; y < ranges.rows; ++y)
+    for (int x = 0; x < ranges.cols; ++x) {
+      const uint16_t range = ranges.at<uint16_t>(y, x);
+      Eigen::Vector2d ray;
+      if (range != 0 && unproject(camera, {x, y}, &ray))
+        depth.at<float>(y, x) =
+            static_cast<float>(range / units_per_metre / std::sqrt(1 + ray.squaredNorm()));
+    }
+  return depth;
+}
+
+}  // namespace
+
+std::string originOf(const mrpt::obs::CObservation& obs) {
+  return "image observation '" + obs.sensorLabel + "'";
+}
+
+bool hasImage(const mrpt::obs::CObservation& obs) {
+  if (const auto* scan = dynamic_cast<const CObservation3DRangeScan*>(&obs))
+    return scan->hasIntensityImage;
+  return dynamic_cast<const CObservationImage*>(&obs) != nullptr;
+}
+
+bool hasDepth(const mrpt::obs::CObservation& obs) {
+  const auto* scan = dynamic_cast<const CObservation3DRangeScan*>(&obs);
+  return scan && scan->hasRangeImage;
+}
+
+std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs) {
+  if (!hasImage(obs)) return std::nullopt;
+  const std::string origin = originOf(obs);
+  ObservedImage result;
+  obs.load();
+  if (const auto* image = dynamic_cast<const CObservationImage*>(&obs)) {
+    result.pixels = pixelsOf(image->image, origin);
+    result.camera = toCameraModel(image->cameraParams, origin);
+    result.T_base_camera = toPose(image->cameraPose);
+    const auto* masked = dynamic_cast<const CObservationMaskedImage*>(image);
+    if (masked && !masked->ignore_mask.isEmpty())
+      result.mask = pixelsOf(masked->ignore_mask, origin);
+    return result;
+  }
+  const auto& scan = dynamic_cast<const CObservation3DRangeScan&>(obs);
+  result.pixels = pixelsOf(scan.intensityImage, origin);
+  result.camera = toCameraModel(scan.cameraParamsIntensity, origin);
+  result.T_base_camera = toPose(scan.sensorPose + scan.relativePoseIntensityWRTDepth);
+  return result;
+}
+
+cv::Mat rangesOf(const mrpt::obs::CObservation& obs) {
+  if (!hasDepth(obs)) return {};
+  obs.load();
+  const auto& ranges = dynamic_cast<const CObservation3DRangeScan&>(obs).rangeImage;
+  if (ranges.rows() == 0) return {};
+  return {static_cast<int>(ranges.rows()), static_cast<int>(ranges.cols()), CV_16UC1,
+          const_cast<uint16_t*>(ranges.data())};
+}
+
+std::optional<ObservedDepth> depthOf(const mrpt::obs::CObservation& obs) {
+  if (!hasDepth(obs)) return std::nullopt;
+  const auto& scan = dynamic_cast<const CObservation3DRangeScan&>(obs);
+  ObservedDepth result;
+  result.image.origin = originOf(obs);
+  result.image.camera = toCameraModel(scan.cameraParams, result.image.origin);
+  // As MRPT has it, the depth sensor itself has x forward and z up.
+  result.T_base_camera = toPose(scan.sensorPose) * opticalOnBody();
+  if (!(scan.rangeUnits > 0)) throw InputError(result.image.origin + ": no unit of its ranges");
+  result.image.units_per_metre = 1 / static_cast<double>(scan.rangeUnits);
+  const cv::Mat units = rangesOf(obs);
+  if (units.empty()) throw InputError(result.image.origin + ": the range image is empty");
+  if (scan.range_is_depth) {
+    result.image.depth = units.clone();
+  } else {
+    if (units.cols != result.image.camera.width || units.rows != result.image.camera.height)
+      throw InputError(result.image.origin + ": the range image is not of the camera's size");
+    result.image.depth = depthFromRanges(units, result.image.camera, result.image.units_per_metre);
+  }
+  return result;
+}
+
+uint64_t keyOf(const mrpt::obs::CObservation& obs, const cv::Mat& pixels, const cv::Mat& mask) {
+  uint64_t hash = 1469598103934665603ull;
+  const auto mix = [&](uint64_t v) { hash = (hash ^ v) * 1099511628211ull; };
+  mix(reinterpret_cast<uint64_t>(&obs));
+  mix(static_cast<uint64_t>(obs.timestamp.time_since_epoch().count()));
+  for (const cv::Mat* m : {&pixels, &mask}) {
+    mix(reinterpret_cast<uint64_t>(m->data));
+    mix(static_cast<uint64_t>(m->rows) << 32 | static_cast<uint64_t>(m->cols));
+    if (m->empty()) continue;
+    const int row_step = std::max(1, m->rows / 16), column_step = std::max(1, m->cols / 16);
+    for (int y = row_step / 2; y < m->rows; y += row_step)
+      for (int x = column_step / 2; x < m->cols; x += column_step)
+        mix(m->ptr(y)[static_cast<size_t>(x) * m->elemSize()]);
+  }
+  return hash;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,33 @@
+/// Times of a device's own clock as times of this machine.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+
+namespace edge_mcl {
+
+/// A frame arrives some time after it was taken, and the delay varies; the least delay seen is the
+/// best measure of the clocks' offset. It may grow slowly, as clocks drift.
+class DeviceClock {
+ public:
+  /// @param device_time seconds of the device's clock, of one frame. @param arrival seconds here.
+  /// @return when the frame was taken, seconds here, but for the least delay.
+  double toHost(double device_time, double arrival) {
+    constexpr double kDrift = 1e-4;  // s/s, more than quartz has
+    constexpr double kJump = 1;      // s; the device began anew
+    const double offset = arrival - device_time;
+    if (!offset_ || device_time < last_ || offset - *offset_ > kJump) {
+      offset_ = offset;
+    } else {
+      *offset_ = std::min(*offset_ + kDrift * (device_time - last_), offset);
+    }
+    last_ = device_time;
+    return device_time + *offset_;
+  }
+
+ private:
+  std::optional<double> offset_;
+  double last_ = 0;
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,101 @@
+#!/usr/bin/python3
+"""Depth images beside the camera's, alone, registered or from a camera of their own, and broken."""
+import array
+import copy
+import sys
+
+import rospy
+import rostest
+
+from fed_localizer import FedLocalizer
+
+
+class Depth(FedLocalizer):
+    namespaces = ['both', 'depth_only']
+    awaited = ('depth',)
+
+    def depth(self, i):
+        return self.recording.frames[i]['depth']
+
+    def follow(self, first, last, ns, **more):
+        for i in range(first, last):
+            status = self.send(i, ns, **{'depth': self.depth(i), **more})
+        metres, degrees = self.error(last - 1, ns)
+        self.assertEqual(status.state_name, 'tracking', status)
+        self.assertLess(metres, 0.05)
+        self.assertLess(degrees, 1.5)
+        self.assertGreater(status.depth_points, 300)
+        self.assertGreater(status.depth_agreement, 0.6)
+        return status
+
+    def test_both(self):
+        self.begin('both')
+        status = self.follow(0, 12, 'both')
+        self.assertGreater(status.visible_lines, 5)
+        # Without depth, the edges carry on.
+        for i in range(12, 16):
+            status = self.send(i, 'both')
+            self.assertEqual(status.state_name, 'tracking')
+            self.assertEqual(status.depth_points, 0)
+            self.assertIn('no depth image in time', status.problem)
+        # Without light, depth does.
+        black = copy.deepcopy(self.recording.frames[0]['image'])
+        black.data = bytes(len(black.data))
+        for i in range(16, 30):
+            status = self.send(i, 'both', image=black, depth=self.depth(i))
+            self.assertEqual(status.state_name, 'tracking', status)
+            self.assertEqual(status.visible_lines, 0)
+        self.assertLess(self.error(29, 'both')[0], 0.05)
+        self.follow(30, 40, 'both')
+
+    def test_depth_alone_needs_no_image(self):
+        self.begin('depth_only')
+        status = self.follow(0, 15, 'depth_only')
+        self.assertEqual(status.visible_lines, 0)
+
+    def test_millimetres_and_a_frame_of_its_own(self):
+        # The same camera under another name, which tf knows.
+        mounting = copy.deepcopy(self.recording.mounting)
+        renamed = copy.deepcopy(mounting.transforms[0])
+        renamed.child_frame_id = 'depth_optical'
+        mounting.transforms.append(renamed)
+        self.tf_static.publish(mounting)
+        self.begin('both')
+        for i in range(12):
+            message = copy.deepcopy(self.depth(i))
+            self.assertEqual(message.encoding, '32FC1')
+            metres = array.array('f', bytes(message.data))
+            message.data = array.array('H', [round(1000 * m) if m > 0 else 0 for m in metres]).tobytes()
+            message.encoding = '16UC1'
+            message.step //= 2
+            message.header.frame_id = 'depth_optical'
+            status = self.send(i, 'both', depth=message)
+        self.assertEqual(status.state_name, 'tracking', status)
+        self.assertGreater(status.depth_agreement, 0.6)
+
+    def test_broken_depth_is_named_and_left_out(self):
+        self.begin('both')
+        self.follow(0, 8, 'both')
+        odd = copy.deepcopy(self.depth(8))
+        odd.encoding = 'mono8'
+        short = copy.deepcopy(self.depth(9))
+        short.data = short.data[:1000]
+        small = copy.deepcopy(self.depth(10))
+        small.height //= 2
+        small.data = small.data[:len(small.data) // 2]
+        elsewhere = copy.deepcopy(self.depth(11))
+        elsewhere.header.frame_id = 'nobody_knows'
+        covered = copy.deepcopy(self.depth(12))
+        covered.data = bytes(len(covered.data))
+        for i, (depth, text) in enumerate(((odd, 'depth'), (short, 'depth'), (small, 'depth'),
+                                           (elsewhere, 'nobody_knows'), (covered, 'covered?'))):
+            status = self.send(8 + i, 'both', depth=depth)
+            self.assertIn(text, status.problem)
+            self.assertEqual(status.state_name, 'tracking', status)  # by the edges
+            self.assertEqual(status.depth_points, 0)
+        self.follow(13, 20, 'both')
+
+
+if __name__ == '__main__':
+    rospy.init_node('depth_test')
+    rostest.rosrun('edge_mcl', 'depth', Depth, sys.argv)
