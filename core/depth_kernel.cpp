@@ -46,7 +46,10 @@ DepthKernelResult runDepthKernelImpl(const DistanceField::Grid& grid,
   const float* r = pose.rotation;
   const auto* voxels = reinterpret_cast<const int32_t*>(grid.voxel);
 
-  DepthKernelResult result{0, 0};
+  // One logarithm for a product of so many factors, each of some tenths to some tens.
+  constexpr size_t kFactors = 8;
+  DepthV product = hn::Set(d, 1.0f), score = zero, agreement = zero;
+  size_t factors = 0;
   for (size_t i = 0; i < points.count; i += lanes) {
     const DepthV px = hn::LoadU(d, points.x + i), py = hn::LoadU(d, points.y + i),
                  pz = hn::LoadU(d, points.z + i);
@@ -87,10 +90,16 @@ DepthKernelResult runDepthKernelImpl(const DistanceField::Grid& grid,
     DepthV on_model = hn::Mul(hn::LoadU(d, points.peak + i), hn::Exp(d, exponent));
     on_model = hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(steps, far)), on_model);
     const DepthV both = hn::Add(v_clutter, on_model);
-    result.score += sumOf(d, hn::Log(d, both));
-    result.agreement += sumOf(d, hn::Div(on_model, both));
+    agreement = hn::Add(agreement, hn::Div(on_model, both));
+    product = hn::Mul(product, both);
+    if (++factors == kFactors) {
+      score = hn::Add(score, hn::Log(d, product));
+      product = hn::Set(d, 1.0f);
+      factors = 0;
+    }
   }
-  return result;
+  score = hn::Add(score, hn::Log(d, product));
+  return {sumOf(d, score), sumOf(d, agreement)};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -140,7 +140,7 @@ def bad_input(c):
     c.case('mask of another size', INCOMPLETE, ['mask'], add_mask(16, 12))
     written = c.case('time goes back', OK, ['time goes back'], replace('rgb.txt', '0.20', '0.05'))
     check(written == 4, 'time goes back: %d of 4 poses written' % written)
-    c.case('nothing of the model in view', OK, ['no model edge'],
+    c.case('nothing of the model in view', OK, ['nothing of the model'],
            replace('sequence.yaml', '[0, 0, 0, 0, 0, 0, 1]', '[0, 0, 0, 0, 1, 0, 0]'), most_lines=5)
 
 

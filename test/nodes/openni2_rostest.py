@@ -85,7 +85,7 @@ class OpenNi2(unittest.TestCase):
         self.assertGreater(status.depth_points, 300)
         self.assertGreater(status.depth_agreement, 0.5)
         position = self.got['pose'][-1][1].pose.pose.position
-        self.assertLess(math.dist((position.x, position.y, position.z), (1.9, 1.8, 1.4)), 0.05)
+        self.assertLess(math.dist((position.x, position.y, position.z), (1.2, 1.35, 1.35)), 0.05)
 
         plug(False)
         self.wait('unplugged', lambda: 'unplugged' in self.diagnosis() or 'no OpenNI2' in self.diagnosis())
