@@ -69,6 +69,8 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
   fresh_ = false;
   last_time_ = input.time;
   last_odometry_ = input.odometry;
+  if (input.up && !filter_.correctTilt(*input.up))
+    result->problem = "the IMU's roll and pitch contradict the pose, not used";
   return true;
 }
 

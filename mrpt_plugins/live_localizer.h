@@ -33,6 +33,7 @@ struct LiveInput {
   std::vector<View> views;
   std::vector<Depth> depths;
   std::optional<Pose> odometry;  ///< T_odom_base at that time
+  std::optional<UpReading> up;   ///< roll and pitch at that time, by an IMU
   bool force_update = false;     ///< use the images even without motion
 };
 

@@ -122,6 +122,14 @@ void PoseFilter::predictWithoutOdometry(double dt) {
   since_last_estimate_ += dt;
 }
 
+bool PoseFilter::correctTilt(const UpReading& reading) {
+  if (!reading.up_base.allFinite() || reading.up_base.norm() < 0.5 || !(reading.sigma > 0))
+    throw InputError("filter: the reading of the vertical is not a direction");
+  if (!edge_mcl::correctTilt(reading, normalizedWeights(), &random_, &poses_)) return false;
+  estimate_ = edge_mcl::correctTilt(reading, estimate_);
+  return true;
+}
+
 void PoseFilter::trackVelocity() {
   if (last_estimate_ && since_last_estimate_ > 1e-6) {
     const Twist newest = logSe3(last_estimate_->inverse() * estimate_.mean) / since_last_estimate_;

@@ -10,6 +10,7 @@
 #include "edge_mcl/core/se3.h"
 #include "edge_mcl/mrpt_plugins/mode_proposal.h"
 #include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/mrpt_plugins/tilt_correction.h"
 
 namespace edge_mcl {
 
@@ -56,6 +57,10 @@ class PoseFilter {
   void predictWithOdometry(const Pose& increment, double dt);
   /// Constant velocity with noise.
   void predictWithoutOdometry(double dt);
+
+  /// Uses a reading of roll and pitch. @return false when it contradicts the particles, and is left
+  /// out. @throws InputError when it is not finite.
+  bool correctTilt(const UpReading& reading);
 
   /// Weighs the particles by the images.
   /// @param views the depth sensors among them always in the same order.

@@ -90,6 +90,8 @@ void LocalizerNode::subscribe() {
   for (size_t i = 0; i < cameras_.size(); ++i) subscribeToCamera(i);
   // Carried over into the map at its own rate, whatever the localizer takes its odometry from.
   subscribers_.push_back(nh_.subscribe("odom", 50, &LocalizerNode::receiveOdometry, this));
+  if (params_.use_imu)
+    subscribers_.push_back(nh_.subscribe("imu", 100, &LocalizerNode::receiveImu, this));
   subscribers_.push_back(nh_.subscribe("initialpose", 2, &LocalizerNode::receiveInitialPose, this));
   services_.push_back(nh_.advertiseService<std_srvs::Empty::Request, std_srvs::Empty::Response>(
       "request_nomotion_update", [this](std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
@@ -135,6 +137,13 @@ void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr
     receiveImage(camera, depth);
   else
     input_ready_.notify_all();
+}
+
+void LocalizerNode::receiveImu(const sensor_msgs::ImuConstPtr& message) {
+  constexpr size_t kKept = 400;
+  const std::lock_guard<std::mutex> lock(input_mutex_);
+  imu_.push_back(message);
+  if (imu_.size() > kKept) imu_.pop_front();
 }
 
 void LocalizerNode::receiveOdometry(const nav_msgs::OdometryConstPtr& odometry) {

@@ -8,6 +8,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/node_handle.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Imu.h>
 #include <std_srvs/Empty.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
@@ -63,6 +64,7 @@ class LocalizerNode {
   void receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image);
   void receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr& depth);
   void receiveOdometry(const nav_msgs::OdometryConstPtr& odometry);
+  void receiveImu(const sensor_msgs::ImuConstPtr& message);
   void receiveInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message);
   std::string setPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   bool reloadModel(UseFile::Request& request, UseFile::Response& response);
@@ -76,6 +78,7 @@ class LocalizerNode {
   sensor_msgs::ImageConstPtr awaitDepth(size_t camera, const ros::Time& stamp,
                                         std::unique_lock<std::mutex>* lock);
   void process(const Moment& moment);
+  std::optional<UpReading> upAt(const ros::Time& stamp, std::string* problem);
   std::optional<Pose> odometryAt(const ros::Time& stamp, std::string* problem);
   bool addView(const Moment& moment, size_t camera, const std::optional<Pose>& odometry,
                LiveInput* input, double* mask_age, std::string* problem);
@@ -97,6 +100,7 @@ class LocalizerNode {
   std::mutex input_mutex_;  // guards what callbacks write
   std::condition_variable input_ready_;
   std::vector<Camera> cameras_;
+  std::deque<sensor_msgs::ImuConstPtr> imu_;  // newest last
   uint32_t images_received_ = 0;
   int odometry_missing_ = 0;  // times in a row
 

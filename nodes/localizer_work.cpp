@@ -118,6 +118,36 @@ std::optional<Pose> LocalizerNode::odometryAt(const ros::Time& stamp, std::strin
   return std::nullopt;
 }
 
+std::optional<UpReading> LocalizerNode::upAt(const ros::Time& stamp, std::string* problem) {
+  if (!params_.use_imu) return std::nullopt;
+  constexpr double kSameMoment = 0.05;  // s
+  sensor_msgs::ImuConstPtr nearest;
+  {
+    const std::lock_guard<std::mutex> lock(input_mutex_);
+    double least = kSameMoment;
+    for (const sensor_msgs::ImuConstPtr& message : imu_) {
+      const double offset = std::abs((message->header.stamp - stamp).toSec());
+      if (offset > least) continue;
+      least = offset;
+      nearest = message;
+    }
+  }
+  try {
+    if (!nearest) throw InputError("no imu message for the image");
+    if (nearest->orientation_covariance[0] == -1)
+      throw InputError("imu: its messages hold no orientation");
+    geometry_msgs::Pose pose;
+    pose.orientation = nearest->orientation;
+    const Eigen::Matrix3d R_world_imu = fromMessage(pose, "imu").linear();
+    const Eigen::Matrix3d R_base_imu = mountingOf(nearest->header.frame_id, "imu").linear();
+    return UpReading{R_base_imu * R_world_imu.transpose() * Eigen::Vector3d::UnitZ(),
+                     params_.imu_sigma};
+  } catch (const std::exception& e) {
+    *problem = e.what();
+    return std::nullopt;
+  }
+}
+
 cv::Mat LocalizerNode::maskFor(Camera* camera, const MaskMatcher::Match& match,
                                const CameraModel& model, const std::optional<Pose>& T_odom_camera,
                                bool* skip, double* age) {
@@ -224,6 +254,7 @@ void LocalizerNode::process(const Moment& moment) {
   LiveInput input;
   input.time = moment.stamp.toSec();
   input.odometry = context.odometry;
+  input.up = upAt(moment.stamp, &problem);
   for (size_t i = 0; i < moment.matches.size(); ++i) {
     if (method_.likelihood.cues != Cues::kDepth)
       addView(moment, i, context.odometry, &input, &context.mask_age, &problem);

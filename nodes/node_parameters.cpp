@@ -74,6 +74,7 @@ void NodeParameters::validate() const {
   require(not_negative(transform_tolerance), "transform_tolerance must be zero or more");
   require(not_negative(transform_timeout), "transform_timeout must be zero or more");
   require(not_negative(camera_window), "camera_window must be zero or more");
+  require(std::isfinite(imu_sigma) && imu_sigma > 0, "imu_sigma must be positive");
   require(not_negative(depth_timeout), "depth_timeout must be zero or more");
   require(not_negative(depth_window), "depth_window must be zero or more");
   require(not_negative(mask_timeout), "mask_timeout must be zero or more");

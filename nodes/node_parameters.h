@@ -27,6 +27,8 @@ struct NodeParameters {
   std::string mask_policy = "unmasked";
   double depth_timeout = 0.1;
   double depth_window = 0.025;
+  bool use_imu = false;
+  double imu_sigma = 0.02;
   int max_cloud_poses = 500;
   double save_pose_rate = 0.5;
   double update_min_d = 0, update_min_a = 0;
@@ -56,6 +58,8 @@ struct NodeParameters {
       "without a mask in time: unmasked, skip_update, or use_last (turned with the camera)");
     v("depth_timeout", depth_timeout, "s", "how long the depth image of an image is awaited");
     v("depth_window", depth_window, "s", "an image and a depth image this close are one moment");
+    v("use_imu", use_imu, "", "roll and pitch from the orientation in sensor_msgs/Imu on imu");
+    v("imu_sigma", imu_sigma, "rad", "their standard deviation");
     v("max_cloud_poses", max_cloud_poses, "", "poses in particlecloud at most");
     v("save_pose_rate", save_pose_rate, "Hz",
       "how often the pose is stored in initial_pose_*; 0 = never");

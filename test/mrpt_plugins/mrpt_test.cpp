@@ -216,6 +216,51 @@ TEST(EdgeMap, BrokenObservationsAreErrors) {
   EXPECT_THROW(map.computeObservationLikelihood(empty, {}), std::exception);
 }
 
+TEST(TiltCorrection, IsTheProductOfGaussians) {
+  // Particles about a tilted pose, and a reading: for small angles the posterior per axis is known.
+  RandomSource random(41);
+  const Pose truth = expSe3((Twist() << 1, 2, 3, 0.2, -0.3, 1.0).finished());
+  const double spread = 0.04, sigma = 0.02, offset = 0.05;
+  const Eigen::Vector3d axis =
+      (truth.linear().transpose() * Eigen::Vector3d::UnitZ()).unitOrthogonal();
+  PoseGaussian prior{truth, spread * spread * Matrix6::Identity()};
+  // What the IMU says: turned by `offset` from the particles' mean.
+  Pose turned = truth;
+  turned.linear() = truth.linear() * expSo3(offset * axis);
+  const UpReading reading{turned.linear().transpose() * Eigen::Vector3d::UnitZ(), sigma};
+  EXPECT_NEAR((tiltError(truth, reading.up_base) - offset * axis).norm(), 0, 1e-9);
+
+  constexpr int kParticles = 20000;
+  std::vector<Pose> poses;
+  const GaussianDensity density(prior);
+  for (int i = 0; i < kParticles; ++i) poses.push_back(density.draw(&random));
+  const std::vector<double> weights(kParticles, 1.0);
+  ASSERT_TRUE(correctTilt(reading, weights, &random, &poses));
+  const PoseGaussian after = meanAndCovariance(poses, weights),
+                     gaussian = correctTilt(reading, prior);
+  const double gain = spread * spread / (spread * spread + sigma * sigma);
+  const double left = spread * sigma / std::hypot(spread, sigma);  // standard deviation
+  for (const PoseGaussian& p : {after, gaussian}) {
+    const Eigen::Vector3d shift = logSo3(truth.linear().transpose() * p.mean.linear());
+    // 20000 draws know a mean to 1/141 of its spread; curvature adds the offset's square.
+    EXPECT_NEAR((shift - gain * offset * axis).norm(), 0, 0.0015);
+    const Eigen::Matrix3d c = p.covariance.bottomRightCorner<3, 3>();
+    EXPECT_NEAR(std::sqrt(axis.dot(c * axis)), left, 0.03 * left);
+    const Eigen::Vector3d vertical = p.mean.linear().transpose() * Eigen::Vector3d::UnitZ();
+    EXPECT_NEAR(std::sqrt(vertical.dot(c * vertical)), spread, 0.03 * spread);  // yaw is untouched
+    EXPECT_NEAR(p.covariance(0, 0), spread * spread, 0.04 * spread * spread);
+  }
+  // A reading that nothing explains changes nothing.
+  turned.linear() = truth.linear() * expSo3(1.0 * axis);
+  const std::vector<Pose> before = poses;
+  EXPECT_FALSE(correctTilt({turned.linear().transpose() * Eigen::Vector3d::UnitZ(), sigma}, weights,
+                           &random, &poses));
+  EXPECT_EQ(poses[7].matrix(), before[7].matrix());
+  PoseFilter filter{FilterParameters(), RefinementParameters()};
+  filter.initialize(prior);
+  EXPECT_THROW(filter.correctTilt({{NAN, 0, 1}, 0.02}), InputError);
+}
+
 std::shared_ptr<CEdgeMap> roomMap(uint64_t seed, bool refine = true) {
   Parameters params;
   params.filter.seed = seed;

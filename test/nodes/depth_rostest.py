@@ -3,9 +3,12 @@
 import array
 import copy
 import sys
+import time
 
 import rospy
 import rostest
+from geometry_msgs.msg import Quaternion
+from sensor_msgs.msg import Imu
 
 from fed_localizer import FedLocalizer
 
@@ -72,6 +75,40 @@ class Depth(FedLocalizer):
             status = self.send(i, 'both', depth=message)
         self.assertEqual(status.state_name, 'tracking', status)
         self.assertGreater(status.depth_agreement, 0.6)
+
+    def test_imu(self):
+        imu = rospy.Publisher('/both/imu', Imu, queue_size=10)
+        self.assertTrue(self.wait(lambda: imu.get_num_connections() > 0))
+
+        def reading(i):
+            message = Imu()
+            message.header.stamp = self.stamp(i)
+            message.header.frame_id = 'base_link'
+            message.orientation = copy.deepcopy(self.recording.frames[i]['truth'].pose.orientation)
+            return message
+        self.begin('both')
+        for i in range(8):
+            imu.publish(reading(i))
+            time.sleep(0.02)
+            status = self.send(i, 'both', depth=self.depth(i))
+        self.assertEqual(status.state_name, 'tracking', status)
+        self.assertNotIn('imu', status.problem)
+        self.assertLess(self.error(7, 'both')[1], 1.0)
+        # Lying on its side: left out, and said.
+        wrong = reading(8)
+        wrong.orientation = Quaternion(0.7071068, 0, 0, 0.7071068)
+        without = reading(9)
+        without.orientation_covariance[0] = -1
+        broken = reading(10)
+        broken.orientation.x = float('nan')
+        for i, message, text in ((8, wrong, 'contradict'), (9, without, 'no orientation'),
+                                 (10, broken, 'imu'), (11, None, 'no imu message')):
+            if message:
+                imu.publish(message)
+                time.sleep(0.02)
+            status = self.send(i, 'both', depth=self.depth(i))
+            self.assertIn(text, status.problem)
+            self.assertEqual(status.state_name, 'tracking', status)
 
     def test_broken_depth_is_named_and_left_out(self):
         self.begin('both')
