@@ -25,7 +25,9 @@ const char* nameOf(LocalizerState state) {
 }
 
 LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map)
-    : map_(std::move(map)), filter_(map_->params().filter, map_->params().refinement) {}
+    : map_(std::move(map)),
+      tracking_(map_->params().tracking),
+      filter_(map_->params().filter, map_->params().refinement) {}
 
 void LiveLocalizer::begin() {
   initial_ = filter_.estimate();
@@ -64,7 +66,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
     if (input.odometry && last_odometry_)
       filter_.predictWithOdometry(normalized(last_odometry_->inverse() * *input.odometry), dt);
     else
-      filter_.predictWithoutOdometry(std::min(dt, map_->params().tracking.max_gap));
+      filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap));
   }
   fresh_ = false;
   last_time_ = input.time;
@@ -75,7 +77,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
 }
 
 bool LiveLocalizer::hasMoved(const LiveInput& input) const {
-  const TrackingParameters& p = map_->params().tracking;
+  const TrackingParameters& p = tracking_;
   if (p.update_min_d <= 0 && p.update_min_a_deg <= 0) return true;
   if (input.force_update || !input.odometry || !odometry_of_update_) return true;
   const Pose motion = odometry_of_update_->inverse() * *input.odometry;
@@ -86,7 +88,7 @@ bool LiveLocalizer::hasMoved(const LiveInput& input) const {
 
 std::vector<CameraView> LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
                                                      std::string* problem) const {
-  const TrackingParameters& p = map_->params().tracking;
+  const TrackingParameters& p = tracking_;
   std::vector<CameraView> views;
   for (const LiveInput::View& view : input.views) {
     if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
@@ -160,7 +162,7 @@ std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result)
 }
 
 bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
-  const TrackingParameters& p = map_->params().tracking;
+  const TrackingParameters& p = tracking_;
   const UpdateReport& r = result.report;
   if (!result.updated || !r.has_information) return false;
   const bool enough_evidence = map_->params().likelihood.model == LikelihoodModel::kPaper ||
@@ -173,7 +175,7 @@ bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
 }
 
 void LiveLocalizer::judge(double time, bool trusted, bool used) {
-  const TrackingParameters& p = map_->params().tracking;
+  const TrackingParameters& p = tracking_;
   if (!trusted_at_ || trusted) trusted_at_ = time;
   if (trusted) {
     const Twist variance = filter_.estimate().covariance.diagonal();

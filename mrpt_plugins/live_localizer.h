@@ -60,6 +60,9 @@ class LiveLocalizer {
   void setPose(const PoseGaussian& pose);
   /// Takes over particles, e.g. stored ones. @throws InputError
   void setParticles(std::vector<Pose> poses, std::vector<double> log_weights);
+  /// When images are used and poses trusted from now on (else as the map's parameters say).
+  const TrackingParameters& tracking() const { return tracking_; }
+  void setTracking(const TrackingParameters& tracking) { tracking_ = tracking; }
   /// Goes on in another map.
   void setMap(std::shared_ptr<const LocalizationMap> map) { map_ = std::move(map); }
 
@@ -84,6 +87,7 @@ class LiveLocalizer {
   void judge(double time, bool trusted, bool used);
 
   std::shared_ptr<const LocalizationMap> map_;
+  TrackingParameters tracking_;
   PoseFilter filter_;
   std::optional<PoseGaussian> initial_;
   LocalizerState state_ = LocalizerState::kUninitialized;

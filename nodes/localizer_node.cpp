@@ -38,6 +38,7 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_);
   diagnostics_.setHardwareID("edge_mcl");
   diagnostics_.add("localization", this, &LocalizerNode::diagnose);
+  offerAdjustment();
   subscribe();
   worker_ = std::thread([this] { work(); });
 }
@@ -46,6 +47,46 @@ LocalizerNode::~LocalizerNode() {
   running_ = false;
   input_ready_.notify_all();
   if (worker_.joinable()) worker_.join();
+}
+
+void LocalizerNode::offerAdjustment() {
+  // In a namespace of its own: what the server leaves on the parameter server is not ours to read.
+  adjustment_ = std::make_unique<dynamic_reconfigure::Server<LocalizerConfig>>(
+      ros::NodeHandle(private_nh_, "adjust"));
+  const TrackingParameters& t = localizer_->tracking();
+  LocalizerConfig now;
+  now.min_match_ratio = t.min_match_ratio;
+  now.min_evidence = t.min_evidence;
+  now.min_depth_agreement = t.min_depth_agreement;
+  now.lost_after = t.lost_after;
+  now.min_visible_samples = t.min_visible_samples;
+  now.min_edge_pixels = t.min_edge_pixels;
+  now.max_masked_share = t.max_masked_share;
+  now.converged_std_position = t.converged_std_position;
+  now.converged_std_angle_deg = t.converged_std_angle_deg;
+  now.update_min_d = t.update_min_d;
+  now.update_min_a = t.update_min_a_deg * M_PI / 180;
+  now.transform_tolerance = params_.transform_tolerance;
+  now.max_cloud_poses = params_.max_cloud_poses;
+  adjustment_->updateConfig(now);
+  adjustment_->setCallback([this](const LocalizerConfig& wanted, uint32_t) {
+    const std::lock_guard<std::mutex> lock(localizer_mutex_);
+    TrackingParameters tracking = localizer_->tracking();
+    tracking.min_match_ratio = wanted.min_match_ratio;
+    tracking.min_evidence = wanted.min_evidence;
+    tracking.min_depth_agreement = wanted.min_depth_agreement;
+    tracking.lost_after = wanted.lost_after;
+    tracking.min_visible_samples = wanted.min_visible_samples;
+    tracking.min_edge_pixels = wanted.min_edge_pixels;
+    tracking.max_masked_share = wanted.max_masked_share;
+    tracking.converged_std_position = wanted.converged_std_position;
+    tracking.converged_std_angle_deg = wanted.converged_std_angle_deg;
+    tracking.update_min_d = wanted.update_min_d;
+    tracking.update_min_a_deg = wanted.update_min_a * 180 / M_PI;
+    localizer_->setTracking(tracking);
+    params_.transform_tolerance = wanted.transform_tolerance;
+    params_.max_cloud_poses = wanted.max_cloud_poses;
+  });
 }
 
 void LocalizerNode::subscribeToCamera(size_t i) {

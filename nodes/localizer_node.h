@@ -2,6 +2,8 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/server.h>
+#include <edge_mcl/LocalizerConfig.h>
 #include <edge_mcl/SetPose.h>
 #include <edge_mcl/UseFile.h>
 #include <image_transport/image_transport.h>
@@ -71,6 +73,7 @@ class LocalizerNode {
   bool saveParticles(UseFile::Request& request, UseFile::Response& response);
   bool loadParticles(UseFile::Request& request, UseFile::Response& response);
   void savePose();
+  void offerAdjustment();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   void work();
@@ -116,6 +119,7 @@ class LocalizerNode {
   std::vector<ros::ServiceServer> services_;
   ros::WallTimer save_timer_, diagnostics_timer_;
   diagnostic_updater::Updater diagnostics_;
+  std::unique_ptr<dynamic_reconfigure::Server<LocalizerConfig>> adjustment_;
   std::atomic<bool> running_{true};
   std::thread worker_;
 };

@@ -55,7 +55,7 @@ std::string trySet(const std::string& name, const std::string& value, NodeParame
 }  // namespace
 
 bool isForeignParameter(const std::string& name) {
-  for (const char* prefix : {"image_transport", "num_worker_threads"})
+  for (const char* prefix : {"image_transport", "num_worker_threads", "adjust/"})
     if (name.rfind(prefix, 0) == 0) return true;
   return false;
 }

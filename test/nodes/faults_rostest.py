@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 
+import dynamic_reconfigure.client
 import rospy
 import rostest
 from edge_mcl.srv import SetPose, UseFile
@@ -245,6 +246,18 @@ class Faults(FedLocalizer):
         self.assertIn('line 6', answer.message)
         self.assertTrue(load(file).success)
         self.track(10, 15)
+
+    def test_adjusted_while_it_runs(self):
+        client = dynamic_reconfigure.client.Client('/plain/localizer/adjust', timeout=10)
+        self.begin()
+        self.track(0, 8)
+        before = client.get_configuration()
+        self.assertAlmostEqual(before['min_match_ratio'], 0.35)
+        client.update_configuration({'min_edge_pixels': 900000})
+        status = self.send(8)
+        self.assertIn('hardly any edges', status.problem)
+        client.update_configuration({'min_edge_pixels': before['min_edge_pixels']})
+        self.track(9, 12)
 
     def test_request_nomotion_update(self):
         rospy.ServiceProxy('/plain/request_nomotion_update', Empty)()
