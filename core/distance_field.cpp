@@ -121,8 +121,11 @@ DistanceField::DistanceField(const MeshModel& mesh, const Options& options)
                                      i / (kBrick * kBrick) + 0.5);
       const Eigen::Vector3d centre = origin_ + voxel_size_ * (kBrick * corner + in_brick);
       // A search is the faster the less it must reach: no farther than by way of the last voxel.
-      const double bound = last_distance + (centre - last_centre).norm() + 1e-6;
-      const ClosestFace::Hit hit = faces.find(centre, std::min(reach, bound));
+      // The search itself rounds coordinates to single precision.
+      const double slack = 1e-5 + 1e-6 * centre.cwiseAbs().maxCoeff();
+      const double bound = last_distance + (centre - last_centre).norm() + slack;
+      ClosestFace::Hit hit = faces.find(centre, std::min(reach, bound));
+      if (!hit.found && bound < reach) hit = faces.find(centre, reach);
       if (!hit.found) continue;
       last_centre = centre;
       last_distance = hit.distance;

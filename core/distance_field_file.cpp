@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr char kMagic[8] = {'e', 'm', 'c', 'l', 'd', 'f', '0', '1'};
+constexpr char kMagic[8] = {'e', 'm', 'c', 'l', 'd', 'f', '0', '2'};
 
 /// FNV-1a over words.
 class Hash {
@@ -43,8 +43,12 @@ struct Header {
   int32_t bricks[3], unused;
 };
 
-uint64_t checksumOf(const std::vector<int32_t>& bricks, const std::vector<uint32_t>& voxels) {
+/// Of everything but itself.
+uint64_t checksumOf(Header header, const std::vector<int32_t>& bricks,
+                    const std::vector<uint32_t>& voxels) {
   Hash hash;
+  header.checksum = 0;
+  hash.add(&header, 1);
   hash.add(bricks.data(), bricks.size());
   hash.add(voxels.data(), voxels.size());
   return hash.value();
@@ -67,7 +71,6 @@ void DistanceField::write(const std::string& file, uint64_t hash) const {
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.hash = hash;
-  header.checksum = checksumOf(brick_of_, voxels_);
   header.brick_count = brick_of_.size();
   header.voxel_count = voxels_.size();
   for (int k = 0; k < 3; ++k) {
@@ -76,6 +79,7 @@ void DistanceField::write(const std::string& file, uint64_t hash) const {
   }
   header.voxel_size = voxel_size_;
   header.truncation = truncation_;
+  header.checksum = checksumOf(header, brick_of_, voxels_);
   // Renamed when complete: another process may read or write the same field.
   const std::string part = file + "." + std::to_string(getpid());
   std::ofstream out(part, std::ios::binary);
@@ -120,7 +124,7 @@ DistanceField DistanceField::read(const std::string& file, uint64_t hash) {
           static_cast<std::streamsize>(4 * h.brick_count));
   in.read(reinterpret_cast<char*>(field.voxels_.data()),
           static_cast<std::streamsize>(4 * h.voxel_count));
-  if (!in || checksumOf(field.brick_of_, field.voxels_) != h.checksum)
+  if (!in || checksumOf(h, field.brick_of_, field.voxels_) != h.checksum)
     throw InputError(file + ": damaged");
   return field;
 }

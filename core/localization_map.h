@@ -39,6 +39,7 @@ struct CameraView {
   Pose T_base_camera = Pose::Identity();
   uint32_t thinning = 1;  ///< see LikelihoodFrame
   std::shared_ptr<const DepthPoints> depth = nullptr;
+  uint32_t depth_sensor = 0;  ///< the same for all images of a sensor: its bias is learnt
 };
 
 class LocalizationMap {

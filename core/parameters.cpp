@@ -188,7 +188,10 @@ void Parameters::validate() const {
   require(not_negative(depth.sigma_per_square_metre), "depth.sigma_per_square_metre",
           "zero or more");
   require(not_negative(depth.bias_sigma), "depth.bias_sigma", "zero or more");
-  require(depth.clutter > 0 && depth.clutter < 1, "depth.clutter", "between 0 and 1");
+  require(depth.sigma >= 1e-4 * depth.truncation, "depth.sigma",
+          "at least a ten-thousandth of depth.truncation");
+  require(depth.clutter >= 1e-3 && depth.clutter < 1, "depth.clutter",
+          "0.001 up to, not including, 1");
   require(positive(depth.independent_points), "depth.independent_points", "positive");
   require(refinement.iterations >= 1 && refinement.iterations <= 1000, "refinement.iterations",
           "1 to 1000");

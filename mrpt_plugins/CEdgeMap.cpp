@@ -128,14 +128,13 @@ std::vector<CameraView> CEdgeMap::views(const mrpt::obs::CObservation& obs) cons
       result.push_back({cache_->image, image->T_base_camera, 1, nullptr});
     }
   if (map_->usesDepth() && hasDepth(obs)) {
-    const uint64_t key = keyOf(obs, rangesOf(obs), {});
+    const uint64_t key = depthKeyOf(obs);
     if (!cache_->depth || cache_->depth_key != key) {
-      const auto depth = depthOf(obs);
-      cache_->depth = map_->prepareDepth(depth->image);
-      cache_->T_base_depth = depth->T_base_camera;
+      cache_->depth = map_->prepareDepth(depthOf(obs)->image);
       cache_->depth_key = key;
     }
-    result.push_back({nullptr, cache_->T_base_depth, 1, cache_->depth});
+    const auto sensor = static_cast<uint32_t>(std::hash<std::string>()(obs.sensorLabel));
+    result.push_back({nullptr, depthMountingOf(obs), 1, cache_->depth, sensor});
   }
   return result;
 }

@@ -78,7 +78,6 @@ class CEdgeMap : public mrpt::maps::CMetricMap {
     uint64_t image_key = 0, depth_key = 0;
     std::shared_ptr<const PreparedImage> image;
     std::shared_ptr<const DepthPoints> depth;
-    Pose T_base_depth = Pose::Identity();
   };
   std::shared_ptr<ImageCache> cache_ = std::make_shared<ImageCache>();
 

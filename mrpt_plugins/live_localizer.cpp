@@ -137,7 +137,7 @@ std::vector<CameraView> LiveLocalizer::prepareDepths(const LiveInput& input,
       if (points->count < kFewestPoints)
         *problem = depth.image.origin + ": hardly any depth in range (covered?)";
       else
-        views.push_back({nullptr, depth.T_base_camera, 1, std::move(points)});
+        views.push_back({nullptr, depth.T_base_camera, 1, std::move(points), depth.sensor});
     } catch (const Error& e) {
       *problem = e.what();
     }

@@ -28,6 +28,7 @@ struct LiveInput {
   struct Depth {
     DepthImage image;
     Pose T_base_camera = Pose::Identity();
+    uint32_t sensor = 0;  ///< see CameraView::depth_sensor
   };
   double time = 0;  ///< seconds
   std::vector<View> views;

@@ -4,6 +4,8 @@
 #include <mrpt/obs/CObservationImage.h>
 
 #include <algorithm>
+#include <functional>
+#include <vector>
 
 #include "edge_mcl/core/camera_rays.h"
 #include "edge_mcl/core/error.h"
@@ -84,14 +86,18 @@ cv::Mat rangesOf(const mrpt::obs::CObservation& obs) {
           const_cast<uint16_t*>(ranges.data())};
 }
 
+Pose depthMountingOf(const mrpt::obs::CObservation& obs) {
+  // As MRPT has it, the depth sensor itself has x forward and z up.
+  return toPose(dynamic_cast<const CObservation3DRangeScan&>(obs).sensorPose) * opticalOnBody();
+}
+
 std::optional<ObservedDepth> depthOf(const mrpt::obs::CObservation& obs) {
   if (!hasDepth(obs)) return std::nullopt;
   const auto& scan = dynamic_cast<const CObservation3DRangeScan&>(obs);
   ObservedDepth result;
   result.image.origin = originOf(obs);
   result.image.camera = toCameraModel(scan.cameraParams, result.image.origin);
-  // As MRPT has it, the depth sensor itself has x forward and z up.
-  result.T_base_camera = toPose(scan.sensorPose) * opticalOnBody();
+  result.T_base_camera = depthMountingOf(obs);
   if (!(scan.rangeUnits > 0)) throw InputError(result.image.origin + ": no unit of its ranges");
   result.image.units_per_metre = 1 / static_cast<double>(scan.rangeUnits);
   const cv::Mat units = rangesOf(obs);
@@ -120,6 +126,24 @@ uint64_t keyOf(const mrpt::obs::CObservation& obs, const cv::Mat& pixels, const 
       for (int x = column_step / 2; x < m->cols; x += column_step)
         mix(m->ptr(y)[static_cast<size_t>(x) * m->elemSize()]);
   }
+  return hash;
+}
+
+uint64_t depthKeyOf(const mrpt::obs::CObservation& obs) {
+  uint64_t hash = keyOf(obs, rangesOf(obs), {});
+  const auto& scan = dynamic_cast<const CObservation3DRangeScan&>(obs);
+  const mrpt::img::TCamera& c = scan.cameraParams;
+  std::vector<double> numbers{c.fx(),
+                              c.fy(),
+                              c.cx(),
+                              c.cy(),
+                              static_cast<double>(c.ncols),
+                              static_cast<double>(c.nrows),
+                              static_cast<double>(scan.rangeUnits),
+                              scan.range_is_depth ? 1.0 : 0.0};
+  numbers.insert(numbers.end(), c.dist.begin(), c.dist.end());
+  for (const double number : numbers)
+    hash = (hash ^ std::hash<double>()(number)) * 1099511628211ull;
   return hash;
 }
 

@@ -40,6 +40,11 @@ std::optional<ObservedDepth> depthOf(const mrpt::obs::CObservation& obs);
 /// The range image's own numbers, not copied; empty for observations without.
 cv::Mat rangesOf(const mrpt::obs::CObservation& obs);
 
+/// Where the depth sensor of a CObservation3DRangeScan is, optical axes.
+Pose depthMountingOf(const mrpt::obs::CObservation& obs);
+/// As keyOf, with all that makes points of the ranges.
+uint64_t depthKeyOf(const mrpt::obs::CObservation& obs);
+
 /// Tells observations apart without reading all of their pixels.
 uint64_t keyOf(const mrpt::obs::CObservation& obs, const cv::Mat& pixels, const cv::Mat& mask);
 

@@ -36,6 +36,7 @@ void PoseFilter::initialize(const PoseGaussian& gaussian) {
   since_last_estimate_ = 0;
   velocity_.setZero();
   noise_variance_.setZero();
+  depth_biases_.clear();  // learnt at a pose that was perhaps wrong
 }
 
 void PoseFilter::initialize(const Pose& mean, double std_position, double std_angle) {
@@ -57,6 +58,7 @@ void PoseFilter::setParticles(std::vector<Pose> poses, std::vector<double> log_w
   estimate_ = meanAndCovariance(poses_, normalizedWeights());
   last_estimate_.reset();
   velocity_.setZero();
+  depth_biases_.clear();
 }
 
 std::vector<double> PoseFilter::normalizedWeights() const { return normalize(log_weights_); }
@@ -266,13 +268,12 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
 
 std::vector<CameraView> PoseFilter::withoutBias(const LocalizationMap& map,
                                                 std::vector<CameraView> views) {
-  size_t sensor = 0;
+  const double sigma = map.params().depth.bias_sigma;
   for (CameraView& view : views) {
     if (!view.depth || !map.usesDepth()) continue;
-    const double sigma = map.params().depth.bias_sigma;
-    if (sensor == depth_biases_.size()) depth_biases_.push_back({0, sigma * sigma});
-    view.depth =
-        std::make_shared<DepthPoints>(edge_mcl::withoutBias(*view.depth, depth_biases_[sensor++]));
+    const DepthBias& bias =
+        depth_biases_.emplace(view.depth_sensor, DepthBias{0, sigma * sigma}).first->second;
+    view.depth = std::make_shared<DepthPoints>(edge_mcl::withoutBias(*view.depth, bias));
   }
   return views;
 }
@@ -283,18 +284,19 @@ void PoseFilter::learnBias(const LocalizationMap& map, const std::vector<CameraV
   // Images of one scene err alike: the bias is never taken as known better than so, times its
   // prior spread.
   constexpr double kLeastShare = 0.15;
-  size_t sensor = 0;
+  constexpr double kFarthest = 3;  // prior standard deviations
+  const double sigma = map.params().depth.bias_sigma;
   for (const CameraView& view : views) {
     if (!view.depth || !map.usesDepth()) continue;
-    DepthBias& bias = depth_biases_[sensor++];
+    DepthBias& bias = depth_biases_[view.depth_sensor];
     report->depth_bias = bias.mean;
     if (report->depth_agreement < kTrusted) continue;
     const Matrix6 to_camera = adjoint(view.T_base_camera.inverse());
     const DepthBias rest =
         map.depth()->remainingBias(*view.depth, estimate_.mean * view.T_base_camera,
                                    to_camera * estimate_.covariance * to_camera.transpose());
-    const double least = kLeastShare * map.params().depth.bias_sigma;
-    bias.mean += rest.mean;
+    const double least = kLeastShare * sigma;
+    bias.mean = std::clamp(bias.mean + rest.mean, -kFarthest * sigma, kFarthest * sigma);
     bias.variance = std::min(bias.variance, std::max(rest.variance, least * least));
     report->depth_bias = bias.mean;
   }

@@ -2,6 +2,7 @@
 /// interface.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -63,7 +64,6 @@ class PoseFilter {
   bool correctTilt(const UpReading& reading);
 
   /// Weighs the particles by the images.
-  /// @param views the depth sensors among them always in the same order.
   UpdateReport update(const LocalizationMap& map, const std::vector<CameraView>& views);
 
   /// Resamples now, if the next prediction would.
@@ -100,7 +100,7 @@ class PoseFilter {
   std::vector<Pose> poses_;
   std::vector<double> log_weights_;
   PoseGaussian estimate_;
-  std::vector<DepthBias> depth_biases_;  // by depth sensor
+  std::map<uint32_t, DepthBias> depth_biases_;  // by CameraView::depth_sensor
   std::optional<Pose> last_estimate_;
   double since_last_estimate_ = 0;        // seconds
   Twist noise_variance_ = Twist::Zero();  // added by prediction since the last update

@@ -174,6 +174,7 @@ bool BagReader::next(LiveInput* input, std::string* problem) {
   *input = {};
   problem->clear();
   if (m.image == m.images->end()) return false;
+  input->time = (*m.image).getTime().toSec();  // unless the image has a better one
   try {
     const auto message = (*m.image).instantiate<sensor_msgs::Image>();
     if (!message) throw InputError(m.file + ": " + m.topics.image + " is not a sensor_msgs/Image");

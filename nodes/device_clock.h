@@ -16,12 +16,15 @@ class DeviceClock {
     constexpr double kDrift = 1e-4;  // s/s, more than quartz has
     constexpr double kJump = 1;      // s; the device began anew
     const double offset = arrival - device_time;
-    if (!offset_ || device_time < last_ || offset - *offset_ > kJump) {
+    if (!offset_ || device_time < last_ - kJump || offset - *offset_ > kJump) {
       offset_ = offset;
+      last_ = device_time;
     } else {
-      *offset_ = std::min(*offset_ + kDrift * (device_time - last_), offset);
+      // Frames of several streams need not come in their order.
+      const double since = std::max(0.0, device_time - last_);
+      *offset_ = std::min(*offset_ + kDrift * since, offset);
+      last_ = std::max(last_, device_time);
     }
-    last_ = device_time;
     return device_time + *offset_;
   }
 

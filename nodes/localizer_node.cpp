@@ -52,7 +52,7 @@ LocalizerNode::~LocalizerNode() {
 void LocalizerNode::offerAdjustment() {
   // In a namespace of its own: what the server leaves on the parameter server is not ours to read.
   adjustment_ = std::make_unique<dynamic_reconfigure::Server<LocalizerConfig>>(
-      ros::NodeHandle(private_nh_, "adjust"));
+      adjustment_mutex_, ros::NodeHandle(private_nh_, "adjust"));
   const TrackingParameters& t = localizer_->tracking();
   LocalizerConfig now;
   now.min_match_ratio = t.min_match_ratio;
@@ -68,7 +68,10 @@ void LocalizerNode::offerAdjustment() {
   now.update_min_a = t.update_min_a_deg * M_PI / 180;
   now.transform_tolerance = params_.transform_tolerance;
   now.max_cloud_poses = params_.max_cloud_poses;
-  adjustment_->updateConfig(now);
+  {
+    const boost::recursive_mutex::scoped_lock lock(adjustment_mutex_);
+    adjustment_->updateConfig(now);
+  }
   adjustment_->setCallback([this](const LocalizerConfig& wanted, uint32_t) {
     const std::lock_guard<std::mutex> lock(localizer_mutex_);
     TrackingParameters tracking = localizer_->tracking();
@@ -84,8 +87,7 @@ void LocalizerNode::offerAdjustment() {
     tracking.update_min_d = wanted.update_min_d;
     tracking.update_min_a_deg = wanted.update_min_a * 180 / M_PI;
     localizer_->setTracking(tracking);
-    params_.transform_tolerance = wanted.transform_tolerance;
-    params_.max_cloud_poses = wanted.max_cloud_poses;
+    publisher_->adjust(wanted.transform_tolerance, wanted.max_cloud_poses);
   });
 }
 
@@ -166,10 +168,13 @@ void LocalizerNode::receiveImage(size_t camera, const sensor_msgs::ImageConstPtr
 }
 
 void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr& depth) {
-  constexpr size_t kKept = 8;
+  constexpr size_t kKept = 64;  // images may wait for their masks
   {
     const std::lock_guard<std::mutex> lock(input_mutex_);
     std::deque<sensor_msgs::ImageConstPtr>& depths = cameras_[camera].depths;
+    // The clock jumped back: what is here is of another time.
+    if (!depths.empty() && depth->header.stamp + ros::Duration(1) < depths.back()->header.stamp)
+      depths.clear();
     depths.push_back(depth);
     if (depths.size() > kKept) depths.pop_front();
   }

@@ -54,6 +54,7 @@ class LocalizerNode {
     ros::Subscriber depth_info_subscriber;
     sensor_msgs::CameraInfoConstPtr depth_info;
     std::deque<sensor_msgs::ImageConstPtr> depths;  // newest last
+    int depth_missing = 0;                          // times in a row
     // Of the mask that was used last, for mask_policy use_last.
     cv::Mat last_mask;
     ros::Time last_mask_at;
@@ -119,6 +120,7 @@ class LocalizerNode {
   std::vector<ros::ServiceServer> services_;
   ros::WallTimer save_timer_, diagnostics_timer_;
   diagnostic_updater::Updater diagnostics_;
+  boost::recursive_mutex adjustment_mutex_;
   std::unique_ptr<dynamic_reconfigure::Server<LocalizerConfig>> adjustment_;
   std::atomic<bool> running_{true};
   std::thread worker_;

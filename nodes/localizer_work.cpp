@@ -74,7 +74,9 @@ std::optional<LocalizerNode::Moment> LocalizerNode::nextMoment() {
 sensor_msgs::ImageConstPtr LocalizerNode::awaitDepth(size_t number, const ros::Time& stamp,
                                                      std::unique_lock<std::mutex>* lock) {
   if (method_.likelihood.cues == Cues::kEdges) return nullptr;
-  const double until = ros::WallTime::now().toSec() + params_.depth_timeout;
+  // Depth that is not there at all is not awaited for every image.
+  int& missing = cameras_[number].depth_missing;
+  const double until = ros::WallTime::now().toSec() + (missing > 3 ? 0 : params_.depth_timeout);
   while (running_) {
     sensor_msgs::ImageConstPtr nearest;
     double least = params_.depth_window;
@@ -87,7 +89,11 @@ sensor_msgs::ImageConstPtr LocalizerNode::awaitDepth(size_t number, const ros::T
       nearest = depth;
     }
     // A later one can only be farther away.
-    if (newer || ros::WallTime::now().toSec() >= until) return nearest;
+    const bool late = ros::WallTime::now().toSec() >= until;
+    if (newer || late) {
+      missing = newer ? 0 : missing + 1;
+      return nearest;
+    }
     input_ready_.wait_for(*lock, std::chrono::milliseconds(2));
   }
   return nullptr;
@@ -197,10 +203,17 @@ void LocalizerNode::addDepth(const Moment& moment, size_t number,
     depth.image.depth = depthFromMessage(message, origin);
     depth.image.units_per_metre = 1000;
     depth.T_base_camera = mountingOf(message->header.frame_id, origin);
-    for (const LiveInput::View& view : input->views)
-      if (view.origin == camera.origin && !view.mask.empty())
+    depth.sensor = static_cast<uint32_t>(number);
+    bool image_is_used = false;
+    for (const LiveInput::View& view : input->views) {
+      if (view.origin != camera.origin) continue;
+      image_is_used = true;
+      if (!view.mask.empty())
         depth.image.mask = {view.mask, view.camera,
                             view.T_base_camera.inverse() * depth.T_base_camera};
+    }
+    // The image's mask is the depth's; what became of it is told already.
+    if (method_.likelihood.cues == Cues::kBoth && params_.use_masks && !image_is_used) return;
     if (method_.likelihood.cues == Cues::kDepth && params_.use_masks && moment.matches[number]) {
       std::optional<Pose> T_odom_camera;
       if (odometry) T_odom_camera = *odometry * depth.T_base_camera;

@@ -164,9 +164,11 @@ struct OpenNi2Camera::Impl : public OpenNI::DeviceDisconnectedListener {
     has_color = o.color && device.hasSensor(openni::SENSOR_COLOR);
     has_depth = o.depth && device.hasSensor(openni::SENSOR_DEPTH);
     if (!has_color && !has_depth) throw InputError(uri + ": has none of the streams asked for");
-    if (o.registration && has_depth && !recording &&
-        device.isImageRegistrationModeSupported(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR))
-      device.setImageRegistrationMode(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR);
+    const openni::ImageRegistrationMode registration =
+        o.registration && has_color ? openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR
+                                    : openni::IMAGE_REGISTRATION_OFF;
+    if (has_depth && !recording && device.isImageRegistrationModeSupported(registration))
+      device.setImageRegistrationMode(registration);
     if (has_color)
       start(&color, openni::SENSOR_COLOR, o.color_width, o.color_height, o.color_fps, o.mirror);
     if (has_depth)

@@ -90,7 +90,7 @@ bool OpenNi2Node::open() {
 void OpenNi2Node::publish(const OpenNi2Camera::Frame& frame) {
   Stream& stream = frame.is_depth ? depth_ : color_;
   const double now = ros::Time::now().toSec();
-  ros::Time stamp(std::max(0.0, stream.clock.toHost(frame.device_time, now)));
+  ros::Time stamp(std::max(0.0, clock_.toHost(frame.device_time, now)));
   // Whatever the device's clock does, time does not go back within a run.
   if (stamp <= stream.last_stamp && stream.last_stamp - stamp < ros::Duration(1))
     stamp = stream.last_stamp + ros::Duration(1e-6);

@@ -57,7 +57,6 @@ class OpenNi2Node {
   struct Stream {
     image_transport::CameraPublisher publisher;
     sensor_msgs::CameraInfo info;
-    DeviceClock clock;
     ros::Time last_stamp;
   };
   bool open();
@@ -71,6 +70,7 @@ class OpenNi2Node {
   diagnostic_updater::Updater diagnostics_;
   std::unique_ptr<OpenNi2Camera> camera_;
   Stream color_, depth_;
+  DeviceClock clock_;  // one for both: frames of one moment keep one time
   std::string description_, problem_;
   uint64_t frames_ = 0, frames_before_ = 0;
   ros::WallTime diagnosed_at_ = ros::WallTime::now();

@@ -33,6 +33,11 @@ class ResultPublisher {
   void publish(const LiveResult& result, const LiveLocalizer& localizer,
                const ResultContext& context);
   /// The model's lines, latched.
+  /// Changes what may change while it runs; not while publish() does.
+  void adjust(double transform_tolerance, int max_cloud_poses) {
+    params_.transform_tolerance = transform_tolerance;
+    params_.max_cloud_poses = max_cloud_poses;
+  }
   void publishModel(const LocalizationMap& map);
   /// The pose between images: odometry carried over into the map.
   void publishOdometry(const nav_msgs::Odometry& odometry);

@@ -129,6 +129,35 @@ TEST(DistanceField, ReadsTheTrueDistance) {
   EXPECT_LT(errors[errors.size() * 8 / 10], 1.01 * rounding);
 }
 
+TEST(DistanceField, HasNoHolesFarFromTheOrigin) {
+  // A wall of many small faces, where single precision is coarse.
+  for (const float at : {40.0f, 1000.0f}) {
+    MeshSoup soup;
+    constexpr int kCells = 40;
+    for (int z = 0; z <= kCells; ++z)
+      for (int y = 0; y <= kCells; ++y)
+        soup.vertices.emplace_back(at, at + 0.05f * static_cast<float>(y),
+                                   0.05f * static_cast<float>(z));
+    for (uint32_t z = 0; z < kCells; ++z)
+      for (uint32_t y = 0; y < kCells; ++y) {
+        const uint32_t corner = z * (kCells + 1) + y, above = corner + kCells + 1;
+        soup.triangles.push_back({corner, corner + 1, above});
+        soup.triangles.push_back({above, corner + 1, above + 1});
+      }
+    soup.triangle_material.assign(soup.triangles.size(), 0);
+    const DistanceField field(weldMesh(std::move(soup), 1e-4, "wall"), DistanceField::Options());
+    Random random(11);
+    for (int i = 0; i < 5000; ++i) {
+      const double away = uniform(&random, -0.3, 0.3);
+      const DistanceField::Reading reading = field.at(
+          {static_cast<double>(at) + away, static_cast<double>(at) + uniform(&random, 0.3, 1.7),
+           uniform(&random, 0.3, 1.7)});
+      ASSERT_TRUE(reading.near) << at << " " << away;
+      EXPECT_NEAR(std::abs(reading.distance), std::abs(away), 0.002);
+    }
+  }
+}
+
 TEST(DistanceField, OutsideAndNotFiniteIsFar) {
   EXPECT_FALSE(roomField()->at({100, 0, 0}).near);
   EXPECT_FALSE(roomField()->at({-100, 2, 1}).near);
@@ -214,8 +243,12 @@ TEST_F(StoredField, ADamagedFileIsMadeAnew) {
     storedDistanceField(mesh_, coarse_, model, &warning_);
     EXPECT_EQ(std::filesystem::file_size(file), size);
   }
-  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(5000).put('\x55');
-  EXPECT_THROW(DistanceField::read(file, hash), InputError);
+  for (const int at : {50, 75, 85, 5000}) {  // origin, truncation, bricks, voxels
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(at).put('\x55');
+    EXPECT_THROW(DistanceField::read(file, hash), InputError) << at;
+    std::filesystem::remove(file);
+    storedDistanceField(mesh_, coarse_, model, &warning_);
+  }
 }
 
 TEST_F(StoredField, GoesToTheCacheOrNowhere) {

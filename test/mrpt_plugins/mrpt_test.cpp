@@ -191,6 +191,11 @@ TEST(EdgeMap, ScoresTheRangeImageOfARangeScan) {
   // The same points; the pose takes another way, which costs some bits.
   EXPECT_NEAR(map.computeObservationLikelihood(scan, toMrpt(base)), expected, 0.05);
 
+  // The same object with another mounting: not what was kept of it.
+  scan.sensorPose = mrpt::poses::CPose3D(0.2, 0.5, 0, 0, 0, 0);
+  EXPECT_LT(map.computeObservationLikelihood(scan, toMrpt(base)), expected - 10);
+  scan.sensorPose = mounting;
+
   // Along the rays, in units of 0.5 mm: rounded otherwise, a hundredth of the noise.
   scan.range_is_depth = false;
   scan.rangeUnits = 0.0005f;

@@ -102,6 +102,7 @@ TEST(OpenNi2Camera, OpensByUriAndBySerialAndSaysWhatIsThere) {
     options.color = false;
     OpenNi2Camera camera(options);
     EXPECT_FALSE(camera.hasColor());
+    EXPECT_FALSE(camera.isRegistered());  // to what?
     EXPECT_EQ(firstOf(&camera, true).pixels.type(), CV_16UC1);
     EXPECT_THROW(camera.colorModel(), Error);
   }
