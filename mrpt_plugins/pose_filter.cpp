@@ -133,7 +133,10 @@ bool PoseFilter::correctTilt(const UpReading& reading) {
 }
 
 void PoseFilter::trackVelocity() {
-  if (last_estimate_ && since_last_estimate_ > 1e-6) {
+  // Over less, the estimates' noise would be all of it.
+  constexpr double kShortest = 0.005;  // s
+  if (last_estimate_ && since_last_estimate_ < kShortest) return;
+  if (last_estimate_) {
     const Twist newest = logSe3(last_estimate_->inverse() * estimate_.mean) / since_last_estimate_;
     velocity_ += params_.velocity_smoothing * (newest - velocity_);
   }

@@ -90,10 +90,9 @@ bool OpenNi2Node::open() {
 void OpenNi2Node::publish(const OpenNi2Camera::Frame& frame) {
   Stream& stream = frame.is_depth ? depth_ : color_;
   const double now = ros::Time::now().toSec();
-  ros::Time stamp(std::max(0.0, clock_.toHost(frame.device_time, now)));
-  // Whatever the device's clock does, time does not go back within a run.
-  if (stamp <= stream.last_stamp && stream.last_stamp - stamp < ros::Duration(1))
-    stamp = stream.last_stamp + ros::Duration(1e-6);
+  const ros::Time stamp(std::max(0.0, clock_.toHost(frame.device_time, now)));
+  // While the least delay is still being learnt, a frame may seem to be of before the last one.
+  if (stamp <= stream.last_stamp && stream.last_stamp - stamp < ros::Duration(1)) return;
   stream.last_stamp = stamp;
   ++frames_;
   if (stream.publisher.getNumSubscribers() == 0) return;
