@@ -41,8 +41,8 @@ bool isIgnored(const DepthImage& image, const Eigen::Vector3d& point) {
   if (!image.mask->camera.project(image.mask->T_mask_depth * point, &pixel) ||
       !image.mask->camera.contains(pixel))
     return false;
-  return image.mask->pixels.at<uint8_t>(static_cast<int>(pixel.y() + 0.5),
-                                        static_cast<int>(pixel.x() + 0.5)) != 0;
+  return image.mask->pixels.at<uint8_t>(static_cast<int>(std::lround(pixel.y())),
+                                        static_cast<int>(std::lround(pixel.x()))) != 0;
 }
 
 }  // namespace

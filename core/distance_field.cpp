@@ -111,14 +111,15 @@ DistanceField::DistanceField(const MeshModel& mesh, const Options& options)
   const size_t nx = bricks_[0], ny = bricks_[1];
   tbb::parallel_for(size_t{0}, brick_of_.size(), [&](size_t b) {
     if (brick_of_[b] == 0) return;
-    const Eigen::Vector3d corner(static_cast<double>(b % nx), static_cast<double>(b / nx % ny),
-                                 static_cast<double>(b / (nx * ny)));
+    const size_t across = b / nx % ny, up = b / (nx * ny);
+    const Eigen::Vector3d corner(static_cast<double>(b % nx), static_cast<double>(across),
+                                 static_cast<double>(up));
     uint32_t* out = &voxels_[static_cast<size_t>(brick_of_[b]) * kBrickVoxels];
     Eigen::Vector3d last_centre = Eigen::Vector3d::Zero();
     double last_distance = INFINITY;
     for (int i = 0; i < kBrickVoxels; ++i) {
-      const Eigen::Vector3d in_brick(i % kBrick + 0.5, i / kBrick % kBrick + 0.5,
-                                     i / (kBrick * kBrick) + 0.5);
+      const int x = i % kBrick, y = i / kBrick % kBrick, z = i / (kBrick * kBrick);
+      const Eigen::Vector3d in_brick(x + 0.5, y + 0.5, z + 0.5);
       const Eigen::Vector3d centre = origin_ + voxel_size_ * (kBrick * corner + in_brick);
       // A search is the faster the less it must reach: no farther than by way of the last voxel.
       // The search itself rounds coordinates to single precision.

@@ -176,6 +176,7 @@ void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr
     if (!depths.empty() && depth->header.stamp + ros::Duration(1) < depths.back()->header.stamp)
       depths.clear();
     depths.push_back(depth);
+    cameras_[camera].depth_missing = 0;  // worth waiting for again
     if (depths.size() > kKept) depths.pop_front();
   }
   // Without images it is depth that sets the pace.

@@ -262,6 +262,7 @@ std::vector<std::string> OpenNi2Camera::devices() {
   openni::Array<openni::DeviceInfo> found;
   OpenNI::enumerateDevices(&found);
   std::vector<std::string> list;
+  list.reserve(static_cast<size_t>(found.getSize()));
   for (int i = 0; i < found.getSize(); ++i)
     list.push_back(std::string(found[i].getUri()) + " (" + found[i].getName() + ")");
   return list;

@@ -376,6 +376,7 @@ TEST(DepthLikelihood, VectorUnitAndSlowReferenceAgree) {
   const DepthPoints points = makeDepthPoints(roomDepth(), DepthParameters());
   Random random(6);
   std::vector<Pose> poses;
+  poses.reserve(501);
   for (int i = 0; i < 500; ++i) poses.push_back(disturbed(&random, 0.3, 0.2));
   poses.push_back(test::lookAlong({50, 50, 50}, {1, 0, 0}));  // everything outside
   const std::vector<DepthScore> scores = likelihood.evaluate(points, poses);
@@ -393,6 +394,7 @@ TEST(DepthLikelihood, SameBitsAloneInABatchAndOnAnyNumberOfThreads) {
   const DepthPoints points = makeDepthPoints(roomDepth(), DepthParameters());
   Random random(7);
   std::vector<Pose> poses;
+  poses.reserve(333);
   for (int i = 0; i < 333; ++i) poses.push_back(disturbed(&random, 0.2, 0.1));
   const std::vector<DepthScore> all = likelihood.evaluate(points, poses);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);

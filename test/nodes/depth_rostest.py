@@ -46,8 +46,9 @@ class Depth(FedLocalizer):
         black.data = bytes(len(black.data))
         for i in range(16, 30):
             status = self.send(i, 'both', image=black, depth=self.depth(i))
-            self.assertEqual(status.state_name, 'tracking', status)
             self.assertEqual(status.visible_lines, 0)
+            if i > 16:  # after a while without, the first one is not waited for
+                self.assertEqual(status.state_name, 'tracking', status)
         self.assertLess(self.error(29, 'both')[0], 0.05)
         self.follow(30, 40, 'both')
 
