@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
@@ -19,13 +18,6 @@ struct ConvertOptions {
   bool no_mask = false;
   ParameterOptions parameters;
 };
-
-cv::Mat readDepth(const std::string& file) {
-  cv::Mat depth = cv::imread(file, cv::IMREAD_UNCHANGED);
-  if (depth.empty() || depth.type() != CV_16UC1)
-    throw InputError(file + ": missing or not a 16-bit depth image");
-  return depth;
-}
 
 int run(const ConvertOptions& o) {
   const Parameters params = o.parameters.load();
@@ -49,7 +41,7 @@ int run(const ConvertOptions& o) {
     for (; depth != sequence.depths.end() && depth->time <= time; ++depth) {
       cv::Mat image;
       try {
-        image = readDepth(depth->file);
+        image = readDepth(depth->file, sequence.camera);
       } catch (const InputError& e) {
         leaveOut(e);
         continue;

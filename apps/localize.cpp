@@ -21,6 +21,12 @@
 
 namespace edge_mcl {
 
+Parameters parametersOf(const LocalizeOptions& options) {
+  Parameters params = options.parameters.load();
+  if (options.depth && params.likelihood.cues == Cues::kEdges) params.likelihood.cues = Cues::kBoth;
+  return params;
+}
+
 std::pair<double, double> parseInitialStd(const std::string& text) {
   double metres = NAN, degrees = NAN;
   char rest = 0;
@@ -83,8 +89,7 @@ int run(const LocalizeOptions& o) {
   if (isBag(o.sequence)) return localizeBag(o);
   if (!o.topics.empty() || !o.initial_pose.empty())
     throw ParameterError("--topics and --initial-pose belong to a bag");
-  Parameters params = o.parameters.load();
-  if (o.depth && params.likelihood.cues == Cues::kEdges) params.likelihood.cues = Cues::kBoth;
+  const Parameters params = parametersOf(o);
   const Sequence sequence = readSequence(o.sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
   const std::string model = o.model.empty() ? sequence.model_file : o.model;

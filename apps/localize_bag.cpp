@@ -95,8 +95,7 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time) {
 }  // namespace
 
 int localizeBag(const LocalizeOptions& o) {
-  Parameters params = o.parameters.load();
-  if (o.depth && params.likelihood.cues == Cues::kEdges) params.likelihood.cues = Cues::kBoth;
+  const Parameters params = parametersOf(o);
   if (o.model.empty()) throw InputError(o.sequence + ": name the model with --model");
   BagTopics topics = parseTopics(o);
   if (params.likelihood.cues == Cues::kEdges) topics.depth.clear();

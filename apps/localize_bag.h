@@ -14,6 +14,9 @@ struct LocalizeOptions {
   ParameterOptions parameters;
 };
 
+/// The method's parameters, with what --depth makes of them. @throws ParameterError
+Parameters parametersOf(const LocalizeOptions& options);
+
 /// "0.1,3": metres and degrees, as metres and radians. @throws ParameterError
 std::pair<double, double> parseInitialStd(const std::string& text);
 

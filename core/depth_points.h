@@ -12,6 +12,10 @@
 
 namespace edge_mcl {
 
+/// A depth image this close to an image is of the same moment, s: depth cameras run beside the
+/// colour camera, and this is less than a frame at 30 Hz.
+constexpr double kDepthWindow = 0.025;
+
 /// One depth image as it comes.
 struct DepthImage {
   CameraModel camera;

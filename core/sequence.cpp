@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
+#include "edge_mcl/core/depth_points.h"
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/yaml_file.h"
 
@@ -15,8 +16,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kSameTime = 0.005;  // seconds
-// Depth cameras run beside the colour camera: less than a frame at 30 Hz.
-constexpr double kSameDepthTime = 0.025;
 
 template <class Entry>
 const Entry* nearestInTime(const std::vector<Entry>& sorted, double time,
@@ -113,7 +112,7 @@ Sequence readSequence(const std::string& directory) {
     frame.image_file = inside(entry.file);
     if (const StampedFile* mask = nearestInTime(masks, entry.time))
       frame.mask_file = inside(mask->file);
-    if (const StampedFile* d = nearestInTime(sequence.depths, entry.time, kSameDepthTime))
+    if (const StampedFile* d = nearestInTime(sequence.depths, entry.time, kDepthWindow))
       frame.depth_file = d->file;
     if (const StampedPose* p = nearestInTime(odometry, entry.time)) frame.odometry = p->pose;
     if (const StampedPose* p = nearestInTime(truth, entry.time)) frame.ground_truth = p->pose;

@@ -123,8 +123,7 @@ struct BagReader::Impl {
 
   void addDepth(const LiveInput::View& view, const ros::Time& stamp, const ros::Time& received,
                 LiveInput* input) {
-    constexpr double kSameMoment = 0.025;  // s
-    const auto message = depths.take(stamp, received, kSameMoment);
+    const auto message = depths.take(stamp, received, kDepthWindow);
     if (!message) return;
     LiveInput::Depth depth;
     depth.image.origin = view.origin + ": depth";

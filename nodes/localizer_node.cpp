@@ -21,6 +21,21 @@ std::shared_ptr<const LocalizationMap> loadMap(const std::string& file, const Pa
   return map;
 }
 
+/// Pairs of the same name in cfg/Localizer.cfg and in `tracking`.
+template <class F>
+void forEachAdjustable(LocalizerConfig* config, TrackingParameters* tracking, F f) {
+  f(config->min_match_ratio, tracking->min_match_ratio);
+  f(config->min_evidence, tracking->min_evidence);
+  f(config->min_depth_agreement, tracking->min_depth_agreement);
+  f(config->lost_after, tracking->lost_after);
+  f(config->min_visible_samples, tracking->min_visible_samples);
+  f(config->min_edge_pixels, tracking->min_edge_pixels);
+  f(config->max_masked_share, tracking->max_masked_share);
+  f(config->converged_std_position, tracking->converged_std_position);
+  f(config->converged_std_angle_deg, tracking->converged_std_angle_deg);
+  f(config->update_min_d, tracking->update_min_d);
+}
+
 }  // namespace
 
 LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
@@ -53,40 +68,22 @@ void LocalizerNode::offerAdjustment() {
   // In a namespace of its own: what the server leaves on the parameter server is not ours to read.
   adjustment_ = std::make_unique<dynamic_reconfigure::Server<LocalizerConfig>>(
       adjustment_mutex_, ros::NodeHandle(private_nh_, "adjust"));
-  const TrackingParameters& t = localizer_->tracking();
   LocalizerConfig now;
-  now.min_match_ratio = t.min_match_ratio;
-  now.min_evidence = t.min_evidence;
-  now.min_depth_agreement = t.min_depth_agreement;
-  now.lost_after = t.lost_after;
-  now.min_visible_samples = t.min_visible_samples;
-  now.min_edge_pixels = t.min_edge_pixels;
-  now.max_masked_share = t.max_masked_share;
-  now.converged_std_position = t.converged_std_position;
-  now.converged_std_angle_deg = t.converged_std_angle_deg;
-  now.update_min_d = t.update_min_d;
-  now.update_min_a = t.update_min_a_deg * M_PI / 180;
+  TrackingParameters tracking = localizer_->tracking();
+  forEachAdjustable(&now, &tracking, [](auto& offered, const auto& used) { offered = used; });
+  now.update_min_a = tracking.update_min_a_deg * M_PI / 180;
   now.transform_tolerance = params_.transform_tolerance;
   now.max_cloud_poses = params_.max_cloud_poses;
   {
     const boost::recursive_mutex::scoped_lock lock(adjustment_mutex_);
     adjustment_->updateConfig(now);
   }
-  adjustment_->setCallback([this](const LocalizerConfig& wanted, uint32_t) {
+  adjustment_->setCallback([this](LocalizerConfig& wanted, uint32_t) {
     const std::lock_guard<std::mutex> lock(localizer_mutex_);
-    TrackingParameters tracking = localizer_->tracking();
-    tracking.min_match_ratio = wanted.min_match_ratio;
-    tracking.min_evidence = wanted.min_evidence;
-    tracking.min_depth_agreement = wanted.min_depth_agreement;
-    tracking.lost_after = wanted.lost_after;
-    tracking.min_visible_samples = wanted.min_visible_samples;
-    tracking.min_edge_pixels = wanted.min_edge_pixels;
-    tracking.max_masked_share = wanted.max_masked_share;
-    tracking.converged_std_position = wanted.converged_std_position;
-    tracking.converged_std_angle_deg = wanted.converged_std_angle_deg;
-    tracking.update_min_d = wanted.update_min_d;
-    tracking.update_min_a_deg = wanted.update_min_a * 180 / M_PI;
-    localizer_->setTracking(tracking);
+    TrackingParameters adjusted = localizer_->tracking();
+    forEachAdjustable(&wanted, &adjusted, [](const auto& offered, auto& used) { used = offered; });
+    adjusted.update_min_a_deg = wanted.update_min_a * 180 / M_PI;
+    localizer_->setTracking(adjusted);
     publisher_->adjust(wanted.transform_tolerance, wanted.max_cloud_poses);
   });
 }

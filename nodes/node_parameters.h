@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "edge_mcl/core/depth_points.h"
 #include "edge_mcl/core/parameters.h"
 #include "edge_mcl/core/se3.h"
 
@@ -26,7 +27,7 @@ struct NodeParameters {
   double mask_timeout = 0.2;
   std::string mask_policy = "unmasked";
   double depth_timeout = 0.1;
-  double depth_window = 0.025;
+  double depth_window = kDepthWindow;
   bool use_imu = false;
   double imu_sigma = 0.02;
   int max_cloud_poses = 500;

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """A depth camera is awaited, published, unplugged and plugged in again."""
 import os
-import subprocess
 import sys
 import threading
 import unittest
@@ -10,6 +9,8 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import CameraInfo, Image
+
+from ending_node import check_ends_with_one_line
 
 PLUGGED = os.environ['EDGE_MCL_DRIVER_PLUGGED']
 
@@ -79,18 +80,12 @@ class OpenNi2(unittest.TestCase):
         self.assertEqual(stamps, sorted(set(stamps)))
 
     def test_what_cannot_be_opened_ends_it_with_one_line(self):
-        node = os.path.join(os.path.dirname(sys.argv[0]), 'edge_mcl_openni2')
         for parameters, status, text in (
                 (['_device:=/nowhere/flight.oni'], 3, '/nowhere/flight.oni: no such recording'),
                 (['_color_calibration:=/nowhere.yaml'], 3, '/nowhere.yaml'),
                 (['_colour:=true'], 2, "nearest: '~color'"),
                 (['_color:=false', '_depth:=false', '_retry_period:=0'], 2, 'retry_period')):
-            run = subprocess.run([node, '__name:=ends_%d' % abs(hash(text))] + parameters,
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                 universal_newlines=True, timeout=30)
-            self.assertEqual(run.returncode, status, run.stdout)
-            self.assertIn(text, run.stdout)
-            self.assertEqual(len([line for line in run.stdout.splitlines() if 'FATAL' in line]), 1)
+            check_ends_with_one_line(self, 'edge_mcl_openni2', parameters, status, text)
 
 
 if __name__ == '__main__':

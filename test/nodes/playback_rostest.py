@@ -17,6 +17,8 @@ import rostest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rosgraph_msgs.msg import Clock
 
+from ending_node import check_ends_with_one_line
+
 TOOL = os.environ['EDGE_MCL_TOOL']
 FLIGHT = os.path.join(os.environ['EDGE_MCL_TEST_DATA'], 'small_flight.yaml')
 MODEL = os.path.join(os.environ['EDGE_MCL_MAPS'], 'office.obj')
@@ -144,8 +146,24 @@ class Playback(unittest.TestCase):
         tool('localize', self.path('half.bag'), '--model', MODEL, status=3)
         self.assertIn('exists already', tool('simulate', FLIGHT, self.bag, status=3))
 
+    def test_a_launch_file_leaves_to_the_config_what_is_not_given(self):
+        config = self.path('config.yaml')
+        with open(config, 'w') as f:
+            f.write('use_masks: true\nodometry: none\nlikelihood: {cues: both}\nfilter: {particles: 77}\n')
+
+        def parameters(*arguments):
+            run = subprocess.run(['roslaunch', '--dump-params', 'edge_mcl', 'localizer.launch',
+                                  'model:=x.obj', 'config:=' + config] + list(arguments), check=True,
+                                 stdout=subprocess.PIPE, universal_newlines=True, timeout=30)
+            return {line.split(': ')[0].split('/', 2)[2]: line.split(': ')[1]
+                    for line in run.stdout.splitlines() if line.startswith('/edge_mcl_localizer/')}
+        self.assertEqual(parameters(), {'model_file': 'x.obj', 'use_masks': 'true', 'odometry': 'none',
+                                        'likelihood/cues': 'both', 'filter/particles': '77'})
+        given = parameters('cues:=depth', 'particles:=5', 'use_masks:=false', 'odometry:=tf')
+        self.assertEqual(given, {'model_file': 'x.obj', 'use_masks': 'false', 'odometry': 'tf',
+                                 'likelihood/cues': 'depth', 'filter/particles': '5'})
+
     def test_the_node_ends_with_one_line(self):
-        node = os.path.join(os.path.dirname(sys.argv[0]), 'edge_mcl_localizer')
         empty = self.path('empty.obj')
         open(empty, 'w').close()
         for parameters, status, text in (
@@ -155,12 +173,7 @@ class Playback(unittest.TestCase):
                 (['_model_file:=' + MODEL, '_filter/particels:=10'], 2, "nearest: '~filter/particles'"),
                 (['_model_file:=' + MODEL, '_filter/particles:=0', '_mask_timeout:=-1'], 2, 'mask_timeout'),
                 (['_model_file:=' + MODEL, '_odometry:=wheels'], 2, 'wheels')):
-            run = subprocess.run([node, '__name:=ends_%d' % abs(hash(tuple(parameters)))] + parameters,
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                 universal_newlines=True, timeout=30)
-            self.assertEqual(run.returncode, status, run.stdout)
-            self.assertIn(text, run.stdout)
-            self.assertEqual(len([line for line in run.stdout.splitlines() if 'FATAL' in line]), 1)
+            check_ends_with_one_line(self, 'edge_mcl_localizer', parameters, status, text)
 
 
 if __name__ == '__main__':
