@@ -40,6 +40,7 @@ void addEvaluate(CLI::App* app, Action* action);
 void addBasin(CLI::App* app, Action* action);
 void addBag(CLI::App* app, Action* action);
 void addRawlog(CLI::App* app, Action* action);
+void addDetect(CLI::App* app, Action* action);
 void addSimulate(CLI::App* app, Action* action);
 void addBench(CLI::App* app, Action* action);
 void addParameters(CLI::App* app, Action* action);

@@ -86,11 +86,15 @@ bool isBag(const std::string& name) {
 }
 
 int run(const LocalizeOptions& o) {
-  if (isBag(o.sequence)) return localizeBag(o);
+  if (isBag(o.sequence)) {
+    if (!o.masks.empty()) throw ParameterError("--masks belongs to a directory; a bag has a topic");
+    return localizeBag(o);
+  }
   if (!o.topics.empty() || !o.initial_pose.empty())
     throw ParameterError("--topics and --initial-pose belong to a bag");
   const Parameters params = parametersOf(o);
-  const Sequence sequence = readSequence(o.sequence);
+  Sequence sequence = readSequence(o.sequence);
+  if (!o.masks.empty()) useMasks(o.masks, &sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty())
@@ -192,7 +196,11 @@ void addLocalize(CLI::App* app, Action* action) {
                 "of a bag without initialpose: x,y,z,roll,pitch,yaw of the base; metres, degrees");
   c->add_flag("--depth", o->depth,
               "use the depth images, too (likelihood.cues = both, unless it says depth)");
-  c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
+  CLI::Option* no_mask =
+      c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
+  c->add_option("--masks", o->masks,
+                "directory with mask.txt (see `edge-mcl detect --out`) to use instead")
+      ->excludes(no_mask);
   c->add_option("--out", o->out, "trajectory to write (TUM format)");
   c->add_option("--stats", o->stats, "JSON file with timings, ESS, covariance per image");
   c->add_option("--overlay", o->overlay,

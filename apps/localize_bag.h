@@ -8,7 +8,7 @@
 namespace edge_mcl {
 
 struct LocalizeOptions {
-  std::string sequence, model, out = "est.txt", stats, overlay, plot, initial_std;
+  std::string sequence, model, out = "est.txt", stats, overlay, plot, initial_std, masks;
   std::string topics, initial_pose;  // of a bag
   bool no_mask = false, depth = false, json = false;
   ParameterOptions parameters;

@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   addBasin(&app, &action);
   addBag(&app, &action);
   addRawlog(&app, &action);
+  addDetect(&app, &action);
   addSimulate(&app, &action);
   addBench(&app, &action);
   addParameters(&app, &action);

@@ -68,7 +68,29 @@ void readDescription(const std::string& file, Sequence* sequence) {
   }
 }
 
+/// The files of a list, with their directory, in the order of time.
+std::vector<StampedFile> sortedList(const fs::path& directory, const std::string& list) {
+  std::vector<StampedFile> files = readFileList((directory / list).string());
+  for (StampedFile& entry : files) entry.file = (directory / entry.file).string();
+  std::stable_sort(files.begin(), files.end(),
+                   [](const StampedFile& a, const StampedFile& b) { return a.time < b.time; });
+  return files;
+}
+
 }  // namespace
+
+void useMasks(const std::string& directory, Sequence* sequence) {
+  const std::vector<StampedFile> masks = sortedList(directory, "mask.txt");
+  size_t count = 0;
+  for (SequenceFrame& frame : sequence->frames) {
+    const StampedFile* mask = nearestInTime(masks, frame.time);
+    frame.mask_file = mask ? mask->file : "";
+    if (mask) ++count;
+  }
+  if (count == 0)
+    throw InputError(directory + "/mask.txt: no mask has the time of an image of " +
+                     sequence->directory);
+}
 
 Sequence readSequence(const std::string& directory) {
   const fs::path root(directory);
@@ -84,15 +106,8 @@ Sequence readSequence(const std::string& directory) {
   if (fs::exists(inside("model.obj"), ignored)) sequence.model_file = inside("model.obj");
 
   std::vector<StampedFile> masks;
-  if (fs::exists(inside("mask.txt"), ignored)) masks = readFileList(inside("mask.txt"));
-  std::stable_sort(masks.begin(), masks.end(),
-                   [](const StampedFile& a, const StampedFile& b) { return a.time < b.time; });
-  if (fs::exists(inside("depth.txt"), ignored)) {
-    sequence.depths = readFileList(inside("depth.txt"));
-    for (StampedFile& depth : sequence.depths) depth.file = inside(depth.file);
-    std::stable_sort(sequence.depths.begin(), sequence.depths.end(),
-                     [](const StampedFile& a, const StampedFile& b) { return a.time < b.time; });
-  }
+  if (fs::exists(inside("mask.txt"), ignored)) masks = sortedList(root, "mask.txt");
+  if (fs::exists(inside("depth.txt"), ignored)) sequence.depths = sortedList(root, "depth.txt");
   Trajectory odometry, truth;
   if (fs::exists(inside("odometry.txt"), ignored))
     odometry = readTrajectory(inside("odometry.txt"));
@@ -110,8 +125,7 @@ Sequence readSequence(const std::string& directory) {
     frame.time = entry.time;
     frame.time_text = entry.time_text;
     frame.image_file = inside(entry.file);
-    if (const StampedFile* mask = nearestInTime(masks, entry.time))
-      frame.mask_file = inside(mask->file);
+    if (const StampedFile* mask = nearestInTime(masks, entry.time)) frame.mask_file = mask->file;
     if (const StampedFile* d = nearestInTime(sequence.depths, entry.time, kDepthWindow))
       frame.depth_file = d->file;
     if (const StampedPose* p = nearestInTime(odometry, entry.time)) frame.odometry = p->pose;

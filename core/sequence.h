@@ -42,6 +42,10 @@ struct Sequence {
 /// @throws InputError naming file and fault.
 Sequence readSequence(const std::string& directory);
 
+/// Replaces the masks by those that DIRECTORY/mask.txt lists.
+/// @throws InputError when the list cannot be read or no image has a mask in it.
+void useMasks(const std::string& directory, Sequence* sequence);
+
 /// Reads an image or mask. @throws InputError when it cannot be decoded or its size differs from
 /// the camera's.
 cv::Mat readImage(const std::string& file, const CameraModel& camera, bool grey = false);

@@ -177,7 +177,7 @@ def other_commands(c, source):
     write(yaml, r.stdout)
     again = c.run('parameters', '--params', yaml)
     check(again.stdout == r.stdout, 'parameters can be read back')
-    for command in ('localize', 'inspect', 'evaluate', 'basin', 'rawlog', 'simulate', 'bench',
+    for command in ('detect', 'localize', 'inspect', 'evaluate', 'basin', 'rawlog', 'simulate', 'bench',
                     'parameters'):
         r = c.run(command, '--help')
         check(r.returncode == OK and len(r.stdout) > 200, command + ' --help')
@@ -212,6 +212,44 @@ def simulator(c, source):
     check(r.returncode == INPUT and 'objects: must be a list' in r.stderr, 'objects not in a list')
 
 
+def detector(c, source):
+    """Masks of a flight, used by localize; pictures; wrong options."""
+    flight = os.path.join(c.folder, 'masked_flight')
+    r = c.run('simulate', os.path.join(source, 'test', 'data', 'small_flight.yaml'), flight,
+              '--images', '12')
+    check(r.returncode == OK, 'simulate a flight with a person')
+    masks, pictures = os.path.join(c.folder, 'masks'), os.path.join(c.folder, 'masked_pictures')
+    r = c.run('detect', flight, '--out', masks, '--overlay', pictures, '--rate', '5', '--delay', '0.1',
+              '--json')
+    check(r.returncode == OK, 'detect: ' + r.stderr)
+    report = json.loads(r.stdout)
+    # Twelve images at 15 Hz, the network on every third.
+    check(report['summary']['images'] == 12 and report['summary']['network_runs'] == 4,
+          'the network keeps to its rate: %s' % report['summary'])
+    check(0 <= report['summary']['mask_iou_mean'] <= 1, 'compared with the true masks')
+    check(len(os.listdir(pictures)) == 12 and len(os.listdir(os.path.join(masks, 'mask'))) == 12,
+          'a mask and a picture for every image')
+    est = os.path.join(c.folder, 'masked.txt')
+    small = ('--particles', '200', '--out', est)
+    check(c.run('localize', flight, '--masks', masks, *small).returncode == OK, 'localize --masks')
+    r = c.run('localize', flight, '--masks', c.folder, *small)
+    check(r.returncode == INPUT and 'mask.txt' in r.stderr, 'no masks there')
+    check(c.run('localize', flight, '--masks', masks, '--no-mask', *small).returncode == USAGE,
+          'masks or none')
+    photo = os.path.join(flight, 'rgb', sorted(os.listdir(os.path.join(flight, 'rgb')))[0])
+    check(c.run('detect', photo, photo).returncode == OK, 'single images')
+    check(c.run('detect', os.path.join(flight, 'rgb')).returncode == OK, 'a folder of images')
+    for options, status, text in (((photo, '--rate', '2'), USAGE, '--rate'),
+                                  ((photo, '--set', 'dilatoin=2'), USAGE, 'dilation'),
+                                  ((photo, '--set', 'half_life=0'), USAGE, 'half_life'),
+                                  ((photo, '--model', '/no/such.yaml'), INPUT, '/no/such.yaml'),
+                                  (('/no/such.png',), INPUT, '/no/such.png'),
+                                  ((c.folder + '/masks/mask.txt',), INPUT, 'mask.txt')):
+        r = c.run('detect', *options)
+        check(r.returncode == status and text in r.stderr, 'detect %s: %d %s' % (
+            ' '.join(options), r.returncode, r.stderr))
+
+
 def main():
     tool, source = sys.argv[1:3]
     folder = tempfile.mkdtemp()
@@ -220,6 +258,7 @@ def main():
         bad_input(c)
         other_commands(c, source)
         simulator(c, source)
+        detector(c, source)
     finally:
         shutil.rmtree(folder)
     return 1 if failures else 0

@@ -56,6 +56,7 @@ class Recording:
 class FedLocalizer(unittest.TestCase):
     namespaces = []  # of the localizers
     awaited = ('image',)  # topics that all of them listen to
+    rate = 15.0  # images per second, by their stamps
 
     @classmethod
     def setUpClass(cls):
@@ -114,7 +115,7 @@ class FedLocalizer(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
 
     def stamp(self, i):
-        return rospy.Time.from_sec(self.start + i / 15.0)
+        return rospy.Time.from_sec(self.start + i / self.rate)
 
     def send_tf(self, i, spoil=None):
         message = copy.deepcopy(self.recording.frames[i]['tf'])

@@ -1,0 +1,58 @@
+/// Runs a detection or segmentation network on images.
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "edge_mcl/detector/detections.h"
+#include "edge_mcl/detector/detector_model.h"
+#include "edge_mcl/detector/detector_parameters.h"
+
+namespace edge_mcl {
+
+/// Where the time of one image went, ms.
+struct DetectorTimes {
+  double preparation = 0, network = 0, decoding = 0;
+  double total() const { return preparation + network + decoding; }
+};
+
+/// Finds what the user ignores in an image. Not thread-safe.
+class MaskDetector {
+ public:
+  /// Loads the network and runs it once on a grey picture.
+  /// @throws InputError when a file is missing or broken, or the output does not fit its
+  /// description; ParameterError for classes that the model does not know.
+  MaskDetector(const DetectorModel& model, const DetectorParameters& parameters);
+  ~MaskDetector();
+
+  /// @param image CV_8UC3, blue green red, or CV_8U. @return objects of the ignored classes, each
+  /// with its mask: pixels for a segmenting network, else all of its box.
+  /// @throws InputError on an empty image or one of another type.
+  Detections detect(const cv::Mat& image);
+
+  const DetectorTimes& times() const { return times_; }
+  const DetectorModel& model() const { return model_; }
+  /// The network's raw outputs for an image, in the order of the model's `outputs`.
+  std::vector<cv::Mat> rawOutputs(const cv::Mat& image);
+
+ private:
+  struct Placement {  // of the image in the network's input
+    double scale_x, scale_y, left, top;
+  };
+  cv::Mat prepared(const cv::Mat& image, Placement* placement) const;
+  std::vector<cv::Mat> forward(const cv::Mat& input);
+  Detections segments(const cv::Mat& scores, const cv::Size& size) const;
+  Detections boxes(const std::vector<cv::Mat>& outputs, const cv::Size& size,
+                   const Placement& placement) const;
+  bool isIgnored(int class_id) const;
+
+  struct Network;
+  std::unique_ptr<Network> network_;
+  DetectorModel model_;
+  DetectorParameters parameters_;
+  std::vector<bool> ignored_;  // by class
+  double threshold_;
+  DetectorTimes times_;
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,208 @@
+// Objects and background that move in known ways.
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/detector/object_tracker.h"
+
+namespace edge_mcl {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+
+cv::Mat texture(const cv::Size& size, uint64_t seed, const cv::Scalar& low,
+                const cv::Scalar& high) {
+  cv::RNG random(seed);
+  cv::Mat small(size.height / 8 + 2, size.width / 8 + 2, CV_8UC3), large;
+  random.fill(small, cv::RNG::UNIFORM, low, high);
+  cv::resize(small, large, {}, 8, 8, cv::INTER_CUBIC);
+  return large(cv::Rect({}, size)).clone();
+}
+
+/// A textured wall that shifts with the camera, and a box of other colours before it.
+struct Stage {
+  cv::Mat wall = texture({3 * kWidth, 2 * kHeight}, 1, {0, 0, 0}, {255, 255, 255});
+  cv::Mat box = texture({70, 90}, 2, {0, 0, 120}, {60, 90, 255});
+
+  /// @param box_at nothing is drawn where it is far outside.
+  cv::Mat image(const cv::Point& wall_at, const cv::Point& box_at) const {
+    cv::Mat picture = wall(cv::Rect(wall_at, cv::Size(kWidth, kHeight))).clone();
+    const cv::Rect seen = cv::Rect(box_at, box.size()) & cv::Rect(0, 0, kWidth, kHeight);
+    if (seen.area() > 0) box(seen - box_at).copyTo(picture(seen));
+    return picture;
+  }
+  cv::Mat mask(const cv::Point& box_at) const {
+    cv::Mat m = cv::Mat::zeros(kHeight, kWidth, CV_8U);
+    const cv::Rect seen = cv::Rect(box_at, box.size()) & cv::Rect(0, 0, kWidth, kHeight);
+    if (seen.area() > 0) m(seen) = 255;
+    return m;
+  }
+  Detections found(const cv::Point& box_at) const {
+    Detection d;
+    d.class_id = 1;
+    d.score = 0.9f;
+    d.mask = mask(box_at);
+    d.box = cv::boundingRect(d.mask);
+    return {d};
+  }
+};
+
+DetectorParameters exact() {
+  DetectorParameters p;
+  p.dilation = 0;
+  p.dilation_growth = 0;
+  return p;
+}
+
+TEST(ObjectTracker, NothingFoundIsAnEmptyMask) {
+  ObjectTracker tracker(exact());
+  const Stage stage;
+  tracker.advance(stage.image({100, 50}, {100, 80}), 0);
+  EXPECT_TRUE(tracker.confirm(0, {}));
+  EXPECT_EQ(tracker.mask().size(), cv::Size(kWidth, kHeight));
+  EXPECT_EQ(cv::countNonZero(tracker.mask()), 0);
+  EXPECT_TRUE(tracker.objects().empty());
+}
+
+TEST(ObjectTracker, AnObjectThatMovesOtherThanTheBackground) {
+  ObjectTracker tracker(exact());
+  const Stage stage;
+  const auto boxAt = [](int i) { return cv::Point(60 + 4 * i, 70 + i); };
+  for (int i = 0; i <= 12; ++i) {
+    tracker.advance(stage.image({100 + 2 * i, 50}, boxAt(i)), 0.066 * i);
+    if (i == 0) {
+      ASSERT_TRUE(tracker.confirm(0, stage.found(boxAt(0))));
+    }
+  }
+  // Half a pixel of drift on each side of 70 x 90 pixels.
+  EXPECT_GT(maskOverlap(tracker.mask(), stage.mask(boxAt(12))), 0.96);
+  ASSERT_EQ(tracker.objects().size(), 1u);
+  EXPECT_NEAR(tracker.objects()[0].age, 12 * 0.066, 1e-9);
+  EXPECT_LT(tracker.objects()[0].score, 0.9f);
+}
+
+TEST(ObjectTracker, AResultThatComesLateIsCarriedToNow) {
+  ObjectTracker tracker(exact());
+  const Stage stage;
+  const auto boxAt = [](int i) { return cv::Point(60 + 3 * i, 70); };
+  for (int i = 0; i <= 8; ++i) tracker.advance(stage.image({100, 50}, boxAt(i)), 0.066 * i);
+  ASSERT_TRUE(tracker.confirm(0.066 * 2, stage.found(boxAt(2))));
+  EXPECT_GT(maskOverlap(tracker.mask(), stage.mask(boxAt(8))), 0.96);
+}
+
+TEST(ObjectTracker, WithoutCornersItMovesWithTheBackground) {
+  ObjectTracker tracker(exact());
+  Stage stage;
+  stage.box = cv::Scalar(0, 0, 200);  // of one colour, its outline blurred away below
+  const auto imageOf = [&](int i) {
+    cv::Mat picture = stage.image({100 + 3 * i, 50}, {120 - 3 * i, 80});
+    cv::Mat soft;
+    cv::GaussianBlur(picture, soft, {0, 0}, 12);
+    const cv::Rect around(120 - 3 * i - 25, 55, 120, 140);
+    soft(around).copyTo(picture(around));
+    return picture;
+  };
+  for (int i = 0; i <= 8; ++i) {
+    tracker.advance(imageOf(i), 0.066 * i);
+    if (i == 0) {
+      ASSERT_TRUE(tracker.confirm(0, stage.found({120, 80})));
+    }
+  }
+  EXPECT_GT(maskOverlap(tracker.mask(), stage.mask({96, 80})), 0.9);
+}
+
+TEST(ObjectTracker, KeepsItsNumberAndKnowsItAgain) {
+  DetectorParameters parameters = exact();
+  parameters.half_life = 0.2;
+  ObjectTracker tracker(parameters);
+  const Stage stage;
+  double time = 0;
+  const auto look = [&](const cv::Point& at) {
+    time += 0.1;
+    tracker.advance(stage.image({100, 50}, at), time);
+    tracker.confirm(time, stage.mask(at).empty() || cv::countNonZero(stage.mask(at)) == 0
+                              ? Detections()
+                              : stage.found(at));
+  };
+  look({60, 70});
+  const int first = tracker.objects().at(0).track_id;
+  look({66, 70});
+  EXPECT_EQ(tracker.objects().at(0).track_id, first) << "confirmed";
+  for (int i = 0; i < 5; ++i) look({-500, 0});
+  EXPECT_TRUE(tracker.objects().empty());
+  look({200, 90});
+  ASSERT_EQ(tracker.objects().size(), 1u);
+  EXPECT_EQ(tracker.objects()[0].track_id, first) << "came back elsewhere";
+  // Another thing of the same class, but of other colours.
+  for (int i = 0; i < 5; ++i) look({-500, 0});
+  Stage other;
+  other.box = texture({70, 90}, 3, {150, 60, 0}, {255, 120, 40});
+  time += 0.1;
+  tracker.advance(other.image({100, 50}, {60, 70}), time);
+  tracker.confirm(time, other.found({60, 70}));
+  ASSERT_EQ(tracker.objects().size(), 1u);
+  EXPECT_NE(tracker.objects()[0].track_id, first);
+}
+
+TEST(ObjectTracker, UnconfirmedObjectsFade) {
+  DetectorParameters parameters = exact();
+  parameters.half_life = 0.5;
+  parameters.min_confidence = 0.2;
+  ObjectTracker tracker(parameters);
+  const Stage stage;
+  tracker.advance(stage.image({100, 50}, {100, 80}), 0);
+  tracker.confirm(0, stage.found({100, 80}));
+  double gone = 0;
+  for (int i = 1; i < 60 && gone == 0; ++i) {
+    tracker.advance(stage.image({100, 50}, {100, 80}), 0.05 * i);
+    if (tracker.objects().empty()) gone = 0.05 * i;
+  }
+  // 0.9 * 0.5^(t / 0.5) = 0.2 at 1.085 s, when every corner is followed.
+  EXPECT_NEAR(gone, 1.1, 0.1);
+}
+
+TEST(ObjectTracker, TheMaskGrowsWithAge) {
+  DetectorParameters parameters;
+  parameters.dilation = 2;
+  parameters.dilation_growth = 10;
+  ObjectTracker tracker(parameters);
+  const Stage stage;
+  tracker.advance(stage.image({100, 50}, {100, 80}), 0);
+  tracker.confirm(0, stage.found({100, 80}));
+  EXPECT_EQ(cv::boundingRect(tracker.mask()), cv::Rect(98, 78, 74, 94));
+  tracker.advance(stage.image({100, 50}, {100, 80}), 0.5);
+  EXPECT_EQ(cv::boundingRect(tracker.mask()), cv::Rect(93, 73, 84, 104));
+}
+
+TEST(ObjectTracker, TimeThatGoesBackStartsAnew) {
+  ObjectTracker tracker(exact());
+  const Stage stage;
+  tracker.advance(stage.image({100, 50}, {100, 80}), 10);
+  tracker.confirm(10, stage.found({100, 80}));
+  tracker.advance(stage.image({100, 50}, {100, 80}), 5);
+  EXPECT_TRUE(tracker.objects().empty());
+  EXPECT_FALSE(tracker.confirm(10, stage.found({100, 80}))) << "an image of another time";
+  EXPECT_TRUE(tracker.confirm(5, stage.found({100, 80})));
+}
+
+TEST(ObjectTracker, LargerImagesAndGreyOnes) {
+  ObjectTracker tracker(exact());
+  const Stage stage;
+  cv::Mat large, grey;
+  for (int i = 0; i < 5; ++i) {
+    cv::resize(stage.image({100, 50}, {100 + 2 * i, 80}), large, {}, 2, 2);
+    cv::cvtColor(large, grey, cv::COLOR_BGR2GRAY);
+    tracker.advance(grey, 0.1 * i);
+    Detections found = stage.found({100, 80});
+    cv::resize(found[0].mask, found[0].mask, {}, 2, 2, cv::INTER_NEAREST);
+    if (i == 0) tracker.confirm(0, found);
+  }
+  cv::Mat expected;
+  cv::resize(stage.mask({108, 80}), expected, {}, 2, 2, cv::INTER_NEAREST);
+  EXPECT_GT(maskOverlap(tracker.mask(), expected), 0.95);
+  EXPECT_THROW(tracker.advance(cv::Mat(), 9), InputError);
+}
+
+}  // namespace
+}  // namespace edge_mcl

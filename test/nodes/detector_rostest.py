@@ -1,0 +1,156 @@
+#!/usr/bin/python3
+"""The detector answers every image; a detector gone wrong does not make the localizer jump."""
+import copy
+import sys
+import threading
+import time
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from edge_mcl.msg import DetectedObjects
+from sensor_msgs.msg import Image
+
+from ending_node import check_ends_with_one_line
+from fed_localizer import FedLocalizer, at
+
+
+def filled(image, value):
+    mask = copy.deepcopy(image)
+    mask.encoding, mask.step = 'mono8', image.width
+    mask.data = bytes([value]) * (image.width * image.height)
+    return mask
+
+
+class Detector(FedLocalizer):
+    namespaces = ['plain']
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.got, cls.images = {}, {}
+        for ns in ('node', 'nodelet'):
+            for name, kind in (('mask', Image), ('detections', DetectedObjects),
+                               ('detector/overlay', Image)):
+                cls.got[ns, name] = {}
+                cls.keep_alive.append(rospy.Subscriber('/%s/%s' % (ns, name), kind,
+                                                       cls.store(cls.got[ns, name])))
+            cls.images[ns] = rospy.Publisher('/%s/image' % ns, Image, queue_size=5)
+            cls.wait(lambda p=cls.images[ns]: p.get_num_connections() > 0, 30)
+        time.sleep(0.5)  # the other direction
+
+    def detect(self, ns, image, stamp, seconds=10):
+        """Sends an image and waits for its mask and its list."""
+        self.images[ns].publish(at(image, stamp))
+        key = stamp.to_nsec()
+        with self.changed:
+            self.changed.wait_for(
+                lambda: key in self.got[ns, 'mask'] and key in self.got[ns, 'detections'], seconds)
+            self.assertIn(key, self.got[ns, 'mask'])
+            return self.got[ns, 'mask'][key], self.got[ns, 'detections'][key]
+
+    def test_every_image_is_answered(self):
+        for ns, first in (('node', 1000), ('nodelet', 2000)):
+            seen = 0
+            for i, frame in enumerate(self.recording.frames[:30]):
+                stamp = rospy.Time.from_sec(first + i / 15)
+                mask, objects = self.detect(ns, frame['image'], stamp)
+                self.assertEqual((mask.width, mask.height, mask.encoding),
+                                 (frame['image'].width, frame['image'].height, 'mono8'))
+                self.assertEqual(mask.header.frame_id, frame['image'].header.frame_id)
+                self.assertEqual(objects.header.frame_id, frame['image'].header.frame_id)
+                self.assertEqual(any(mask.data), len(objects.objects) > 0)
+                for thing in objects.objects:
+                    self.assertIn(thing.class_name, ('person', 'sofa', 'chair', 'computer', 'screen'))
+                    self.assertGreater(thing.track_id, 0)
+                    self.assertTrue(0 < thing.score <= 1)
+                    self.assertTrue(thing.width > 0 and thing.height > 0)
+                    if ns == 'node':
+                        # Every image is looked at; what was missed once is kept for one more.
+                        self.assertLess(thing.age, 1.5 / 15)
+                seen += len(objects.objects) > 0
+            self.assertGreater(seen, 5, 'the flight shows a person and furniture')
+            self.assertTrue(self.wait(lambda: len(self.got[ns, 'detector/overlay']) > 0))
+
+    def test_bad_images_and_time_that_goes_back(self):
+        image = self.recording.frames[0]['image']
+        broken = copy.deepcopy(image)
+        broken.data = broken.data[:1000]
+        for ns in ('node', 'nodelet'):
+            self.images[ns].publish(at(broken, rospy.Time(3000)))
+            time.sleep(0.3)
+            self.assertNotIn(rospy.Time(3000).to_nsec(), self.got[ns, 'mask'])
+            self.detect(ns, image, rospy.Time(3001))
+            self.detect(ns, image, rospy.Time(500))  # a bag in a loop
+            small = copy.deepcopy(image)
+            small.width, small.height = 40, 30
+            small.step = 120
+            small.data = small.data[:3600]
+            mask, _ = self.detect(ns, small, rospy.Time(501))
+            self.assertEqual(mask.width, 40)
+
+    def test_diagnostics(self):
+        found = threading.Event()
+
+        def look(message):
+            for status in message.status:
+                keys = {v.key for v in status.values}
+                if 'detection' in status.name and {'network ms', 'tracking ms'} <= keys:
+                    found.set()
+        subscriber = rospy.Subscriber('/diagnostics', DiagnosticArray, look)
+        for i in range(20):
+            self.detect('node', self.recording.frames[0]['image'], rospy.Time.from_sec(4000 + 0.2 * i))
+            if found.wait(0.2):
+                break
+        subscriber.unregister()
+        self.assertTrue(found.is_set())
+
+    def test_wrong_parameters_are_one_line(self):
+        check_ends_with_one_line(self, 'edge_mcl_detector', ['_dilatoin:=3'], 2, 'dilation')
+        check_ends_with_one_line(self, 'edge_mcl_detector', ['_ignore_classes:=persons'], 2, 'person')
+        check_ends_with_one_line(self, 'edge_mcl_detector', ['_model:=/nowhere.yaml'], 3, 'nowhere')
+
+    def never_wrong(self, first, last, **more):
+        """No pose that is called tracked may be off."""
+        states = []
+        for i in range(first, last):
+            status = self.send(i, **more)
+            states.append(status)
+            if status.state_name == 'tracking':
+                metres, degrees = self.error(i)
+                self.assertLess(metres, 0.25, 'image %d' % i)
+                self.assertLess(degrees, 5, 'image %d' % i)
+        return states
+
+    def test_a_detector_that_marks_everything(self):
+        self.begin()
+        frames = self.recording.frames
+        self.track(0, 10, mask=frames[0]['mask'])
+        states = self.never_wrong(10, 25, mask=filled(frames[0]['image'], 255))
+        self.assertIn(states[-1].state_name, ('degraded', 'lost'))
+        self.assertIn('mask', states[-1].problem)
+        self.assertAlmostEqual(states[-1].masked_share, 1)
+        self.track(25, 40, mask=frames[25]['mask'])
+
+    def test_a_detector_that_marks_nothing(self):
+        self.begin()
+        frames = self.recording.frames
+        states = self.never_wrong(0, 40, mask=filled(frames[0]['image'], 0))
+        self.assertEqual(states[-1].masked_share, 0)
+        self.assertEqual(states[-1].state_name, 'tracking')
+
+    def test_a_detector_that_hangs_for_five_seconds(self):
+        self.rate = 7.5  # slower by half: the recording is a short one
+        self.begin()
+        frames = self.recording.frames
+        self.track(0, 8, mask=frames[0]['mask'])
+        states = self.never_wrong(8, 47)
+        for status in states:
+            self.assertGreater(status.mask_age, 0, 'the last mask, moved')
+        self.assertGreater(states[-1].mask_age, 5)
+        self.track(47, 57, mask=frames[47]['mask'])
+
+
+if __name__ == '__main__':
+    rospy.init_node('detector_test')
+    rostest.rosrun('edge_mcl', 'detector', Detector, sys.argv)
