@@ -127,8 +127,8 @@ DetectorModel DetectorModel::fromYamlFile(const std::string& file) {
   m.rgb = order == "rgb";
   const std::filesystem::path path(file);
   m.name = path.stem().string();
-  const auto beside = [&](std::string* name) {
-    if (!name->empty()) *name = (path.parent_path() / *name).string();
+  const auto beside = [&](std::string* other) {
+    if (!other->empty()) *other = (path.parent_path() / *other).string();
   };
   beside(&m.file);
   beside(&m.config_file);

@@ -27,8 +27,12 @@ Struct readParameterStruct(const ros::NodeHandle& private_nh) {
       if (wanted != field_name) return;
       known = true;
       if (!parameter_text::fromText(text, &field))
-        faults.push_back("parameter '~" + wanted + "': '" + text + "' is not " +
-                         parameter_text::typeName(field));
+        faults.emplace_back("parameter '~")
+            .append(wanted)
+            .append("': '")
+            .append(text)
+            .append("' is not ")
+            .append(parameter_text::typeName(field));
     });
     if (!known)
       faults.push_back("unknown parameter '~" + name + "' (nearest: '~" + nearestName(name, names) +

@@ -118,10 +118,11 @@ TrainingObjects::TrainingObjects(const std::string& directory, const std::string
     objects[i].scene = makeScene(device_, objects[i].mesh, RTC_BUILD_QUALITY_MEDIUM);
     by_class_[static_cast<size_t>(objects[i].label)].push_back(std::move(objects[i]));
   }
+  std::string missing;
   for (size_t label = 0; label < by_class_.size(); ++label)
-    if (by_class_[label].empty())
-      throw InputError(index + ": no object of class " + kTrainingClasses[label] + " in split " +
-                       split);
+    if (by_class_[label].empty()) missing += std::string(" ") + kTrainingClasses[label];
+  if (!missing.empty())
+    throw InputError(index + ": split " + split + " has no object of these classes:" + missing);
 }
 
 TrainingObjects::~TrainingObjects() {

@@ -24,7 +24,7 @@ class DetectorModelFile : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(directory_); }
   std::string write(const std::string& name, const std::string& text) const {
-    const std::string file = (directory_ / name).string();
+    std::string file = (directory_ / name).string();
     std::ofstream(file) << text;
     return file;
   }
