@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <mutex>
+#include <thread>
 
 #include "edge_mcl/core/error.h"
 
@@ -193,7 +194,16 @@ OpenNi2Camera::OpenNi2Camera(const DepthCameraOptions& options) {
   impl_->open(options);
 }
 
-OpenNi2Camera::~OpenNi2Camera() = default;
+OpenNi2Camera::~OpenNi2Camera() {
+  // The driver for recordings looks through its list of streams in a thread of its own, without a
+  // lock, and after the end of the recording without a pause: a stream that is destroyed then takes
+  // it down now and then. With all streams stopped it looks only every ten milliseconds, for an
+  // instant.
+  if (!impl_ || !impl_->recording) return;
+  for (openni::VideoStream* stream : {&impl_->color, &impl_->depth})
+    if (stream->isValid()) stream->stop();
+  std::this_thread::sleep_for(std::chrono::milliseconds(35));
+}
 
 OpenNi2Camera::Event OpenNi2Camera::read(Frame* frame, int timeout_ms) {
   Impl& m = *impl_;
