@@ -1,6 +1,5 @@
 // edge-mcl detect: images in, masks of what is not in the map out.
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -14,7 +13,7 @@
 #include "edge_mcl/detector/default_model.h"
 #include "edge_mcl/detector/detection_overlay.h"
 #include "edge_mcl/detector/mask_detector.h"
-#include "edge_mcl/detector/object_tracker.h"
+#include "edge_mcl/detector/recorded_flight_masks.h"
 #include "output_files.h"
 #include "progress_bar.h"
 
@@ -69,54 +68,6 @@ std::vector<InputImage> imagesOf(const DetectOptions& o, bool* is_sequence) {
   return images;
 }
 
-/// The network's results for a sequence, as they come in flight: at its rate, after its delay.
-class MaskedFlight {
- public:
-  MaskedFlight(const DetectOptions& o, MaskDetector* detector, const DetectorParameters& parameters)
-      : interval_(o.rate > 0 ? 1 / o.rate : 0),
-        delay_(o.delay),
-        detector_(*detector),
-        tracker_(parameters) {}
-
-  void next(const cv::Mat& image, double time) {
-    using Clock = std::chrono::steady_clock;
-    const auto begin = Clock::now();
-    tracker_.advance(image, time);
-    tracking_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-    network_ms = 0;
-    deliver(time);
-    // A thousandth of a second: stamps are rounded.
-    if (!pending_ && (runs_ == 0 || time - started_ >= interval_ - 1e-3)) {
-      Detections found = detector_.detect(image);
-      network_ms = detector_.times().total();
-      started_ = time;
-      pending_ = std::make_unique<Result>(Result{time, std::move(found)});
-      // The first result is waited for: until then nothing is known.
-      if (runs_++ == 0) deliver(time + delay_);
-      deliver(time);
-    }
-  }
-  const ObjectTracker& tracker() const { return tracker_; }
-  size_t runs() const { return runs_; }
-  double tracking_ms = 0, network_ms = 0;
-
- private:
-  struct Result {
-    double time;
-    Detections found;
-  };
-  void deliver(double now) {
-    if (!pending_ || now < pending_->time + delay_ - 1e-6) return;
-    tracker_.confirm(pending_->time, pending_->found);
-    pending_.reset();
-  }
-  double interval_, delay_, started_ = 0;
-  MaskDetector& detector_;
-  ObjectTracker tracker_;
-  std::unique_ptr<Result> pending_;
-  size_t runs_ = 0;
-};
-
 cv::Mat readAnyImage(const std::string& file) {
   cv::Mat image = cv::imread(file, cv::IMREAD_COLOR);
   if (image.empty()) throw InputError(file + ": missing or not a readable image");
@@ -150,7 +101,7 @@ int run(const DetectOptions& o) {
     list.open(o.out + "/mask.txt");
     list << "# masks by edge-mcl detect, model " << model.name << ": timestamp filename\n";
   }
-  MaskedFlight flight(o, &detector, parameters);
+  RecordedFlightMasks flight(&detector, parameters, o.rate, o.delay);
   std::vector<double> network_ms, tracking_ms, overlaps, covered;
   nlohmann::json found = nlohmann::json::array();
   ProgressBar bar(model.name, images.size());
@@ -162,8 +113,8 @@ int run(const DetectOptions& o) {
       flight.next(image, input.time);
       objects = flight.tracker().objects();
       mask = flight.tracker().mask();
-      tracking_ms.push_back(flight.tracking_ms);
-      if (flight.network_ms > 0) network_ms.push_back(flight.network_ms);
+      tracking_ms.push_back(flight.trackingMs());
+      if (flight.networkMs() > 0) network_ms.push_back(flight.networkMs());
     } else {
       objects = detector.detect(image);
       mask = combinedMask(objects, image.size(), cvRound(parameters.dilation * image.cols / 320.0));

@@ -27,4 +27,23 @@ void attachMesh(RTCDeviceTy* device, RTCSceneTy* scene, const MeshModel& mesh) {
   rtcReleaseGeometry(geometry);
 }
 
+bool isBlocked(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f& to,
+               float margin, float end_margin) {
+  RTCRay ray{};
+  const Eigen::Vector3f d = to - from;
+  ray.org_x = from.x();
+  ray.org_y = from.y();
+  ray.org_z = from.z();
+  ray.dir_x = d.x();
+  ray.dir_y = d.y();
+  ray.dir_z = d.z();
+  ray.tnear = margin;
+  ray.tfar = 1 - end_margin;
+  ray.mask = 0xffffffffu;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene, &context, &ray);
+  return ray.tfar < 0;
+}
+
 }  // namespace edge_mcl

@@ -159,21 +159,7 @@ void Scene::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f* direction
 }
 
 bool Scene::blocked(const Eigen::Vector3f& from, const Eigen::Vector3f& to) const {
-  RTCRay ray{};
-  const Eigen::Vector3f d = to - from;
-  ray.org_x = from.x();
-  ray.org_y = from.y();
-  ray.org_z = from.z();
-  ray.dir_x = d.x();
-  ray.dir_y = d.y();
-  ray.dir_z = d.z();
-  ray.tnear = 1e-3f;
-  ray.tfar = 1 - 1e-3f;
-  ray.mask = 0xffffffffu;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(impl_->top, &context, &ray);
-  return ray.tfar < 0;
+  return isBlocked(impl_->top, from, to, 1e-3f, 1e-3f);
 }
 
 double Scene::clearance(const Eigen::Vector3d& point, double farthest) const {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "edge_mcl/core/ray_mesh.h"
+
 namespace edge_mcl {
 
 namespace {
@@ -46,21 +48,7 @@ TrainingView::~TrainingView() {
 }
 
 bool TrainingView::blocked(const Eigen::Vector3f& from, const Eigen::Vector3f& to) const {
-  RTCRay ray{};
-  const Eigen::Vector3f d = to - from;
-  ray.org_x = from.x();
-  ray.org_y = from.y();
-  ray.org_z = from.z();
-  ray.dir_x = d.x();
-  ray.dir_y = d.y();
-  ray.dir_z = d.z();
-  ray.tnear = 2e-3f;
-  ray.tfar = 0.995f;
-  ray.mask = 0xffffffffu;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(top_, &context, &ray);
-  return ray.tfar < 0;
+  return isBlocked(top_, from, to, 2e-3f, 5e-3f);
 }
 
 TrainingView::Camera TrainingView::randomCamera(TrainingRandom& random, int width) const {
