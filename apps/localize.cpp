@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -36,20 +37,36 @@ std::pair<double, double> parseInitialStd(const std::string& text) {
   return {metres, degrees * M_PI / 180};
 }
 
+std::optional<Eigen::Vector3d> parseUp(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  Eigen::Vector3d up;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &up.x(), &up.y(), &up.z(), &rest) != 3 ||
+      !up.allFinite() || up.norm() < 1e-3)
+    throw ParameterError("--up " + text + ": a direction x,y,z expected");
+  return up.normalized();
+}
+
 namespace {
 
-nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
+nlohmann::json jsonOf(const LiveResult& r, const SequenceFrame& frame, double reading_ms) {
   nlohmann::json j;
   j["time"] = frame.time_text;
   j["updated"] = r.updated;
+  j["state"] = nameOf(r.state);
+  if (!r.clusters.empty()) {
+    j["search"] = {{"keyframes", r.search_keyframes}, {"ms", r.search_ms}};
+    for (const PoseCluster& c : r.clusters)
+      j["search"]["clusters"].push_back(
+          {{"weight", c.weight}, {"pose", formatPose(frame.time_text, c.pose)}});
+  }
   if (!r.problem.empty()) j["problem"] = r.problem;
   const UpdateReport& u = r.report;
   j["ess"] = u.effective_sample_size;
   j["tempering"] = u.tempering;
   j["visible_lines"] = u.visible_lines;
   j["visible_samples"] = u.visible_samples;
-  j["match_ratio"] =
-      u.used_samples > 0 ? static_cast<double>(u.matched_samples) / u.used_samples : 0;
+  j["match_ratio"] = r.match_ratio;
   j["log_likelihood"] = u.log_likelihood;
   j["evidence_per_line"] = u.evidence_per_line;
   if (u.depth_points > 0) {
@@ -59,7 +76,7 @@ nlohmann::json jsonOf(const FrameResult& r, const SequenceFrame& frame) {
   }
   j["refined_modes"] = u.refined_modes;
   j["ms"] = {
-      {"reading", r.reading_ms},
+      {"reading", reading_ms},
       {"edges", r.image_times.edges},
       {"field", r.image_times.field},
       {"table", r.image_times.table},
@@ -106,6 +123,7 @@ int run(const LocalizeOptions& o) {
   for (const std::string& w : map.mesh().report.warnings)
     std::fprintf(stderr, "warning: %s: %s\n", model.c_str(), w.c_str());
   SequenceLocalizer localizer(map, sequence, !o.no_mask);
+  if (o.global || !o.up.empty()) localizer.searchEverywhere(parseUp(o.up));
   if (!o.initial_std.empty()) {
     const auto [metres, radians] = parseInitialStd(o.initial_std);
     localizer.setInitialSpread(metres, radians);
@@ -118,22 +136,30 @@ int run(const LocalizeOptions& o) {
   nlohmann::json per_image = nlohmann::json::array();
   std::vector<double> update_ms;
   size_t unusable = 0;
+  std::map<std::string, size_t> states;
   Trajectory estimate;
+  std::string last_problem;
   ProgressBar bar(sequence.name, localizer.frameCount());
   for (const SequenceFrame& frame : sequence.frames) {
-    const FrameResult r = localizer.step();
+    const LiveResult r = localizer.step();
     if (!r.updated && !r.problem.empty()) ++unusable;
-    if (!r.problem.empty()) bar.note("warning: " + r.problem);
-    // Flushed line by line: an interrupted run keeps what it has computed.
-    out << formatPose(frame.time_text, r.estimate.mean) << std::endl;
+    ++states[nameOf(r.state)];
+    if (!r.problem.empty() && r.problem != last_problem) bar.note("warning: " + r.problem);
+    last_problem = r.problem;
+    if (r.relocalized) bar.note("found the pose at " + frame.time_text);
+    // Flushed line by line: an interrupted run keeps what it has computed. A pose that is not known
+    // is not written.
+    if (localizer.localizer().isInitialized()) {
+      out << formatPose(frame.time_text, r.estimate.mean) << std::endl;
+      estimate.push_back({frame.time, frame.time_text, r.estimate.mean});
+    }
     if (!out) throw InputError(o.out + ": cannot be written (disk full?)");
-    estimate.push_back({frame.time, frame.time_text, r.estimate.mean});
-    nlohmann::json entry = jsonOf(r, frame);
+    nlohmann::json entry = jsonOf(r, frame, localizer.readingMs());
     if (r.updated) update_ms.push_back(entry["ms"]["update"].get<double>());
     per_image.push_back(std::move(entry));
-    if (!o.overlay.empty() && r.image) {
+    if (!o.overlay.empty() && !r.images.empty() && localizer.localizer().isInitialized()) {
       const std::string file = o.overlay + "/" + frame.time_text + ".png";
-      if (!cv::imwrite(file, drawOverlay(map, *r.image, r.estimate.mean)))
+      if (!cv::imwrite(file, drawOverlay(map, *r.images.front(), r.estimate.mean)))
         throw InputError(file + ": cannot be written");
     }
     bar.advance();
@@ -153,9 +179,10 @@ int run(const LocalizeOptions& o) {
   summary["seed"] = params.filter.seed;
   summary["images"] = sequence.frames.size();
   summary["unusable_images"] = unusable;
+  summary["states"] = states;
   summary["update_ms_median"] = timing.median;
   summary["update_ms_p90"] = timing.p90;
-  if (!truth.empty()) {
+  if (!truth.empty() && !estimate.empty()) {
     const TrajectoryErrors e = evaluateTrajectory(estimate, truth);
     summary["position_error_median_m"] = e.position_summary.median;
     summary["rotation_error_median_deg"] = e.rotation_summary.median;
@@ -168,7 +195,10 @@ int run(const LocalizeOptions& o) {
     std::printf("%s: %zu images, %zu unusable, %d particles, %s, update median %.1f ms\n",
                 sequence.name.c_str(), sequence.frames.size(), unusable, params.filter.particles,
                 map.backend().name().c_str(), timing.median);
-    if (!truth.empty())
+    std::printf("states:");
+    for (const auto& [state, count] : states) std::printf(" %s %zu", state.c_str(), count);
+    std::printf("\n");
+    if (summary.contains("within_10cm_3deg"))
       std::printf("error: median %.2f cm, %.2f deg; within 10 cm and 3 deg: %.1f %%\n",
                   100 * summary["position_error_median_m"].get<double>(),
                   summary["rotation_error_median_deg"].get<double>(),
@@ -190,6 +220,12 @@ void addLocalize(CLI::App* app, Action* action) {
       ->required();
   c->add_option("--model", o->model, "model file, if not SEQUENCE/model.obj");
   c->add_option("--initial-std", o->initial_std, "spread of the first particles as metres,degrees");
+  c->add_flag("--global", o->global,
+              "do not begin at the initial pose but look for the camera in the whole model")
+      ->excludes("--initial-std");
+  c->add_option("--up", o->up,
+                "the same, knowing which way is up in the first image: x,y,z in the axes of the "
+                "camera (of a bag: of the base), e.g. 0,-1,0 for a level camera");
   c->add_option("--topics", o->topics,
                 "of a bag: image=/cam/image_raw,camera_info=...,mask=...,odom_frame=odom,...");
   c->add_option("--initial-pose", o->initial_pose,

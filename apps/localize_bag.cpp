@@ -105,7 +105,11 @@ int localizeBag(const LocalizeOptions& o) {
   for (const std::string& w : map->mesh().report.warnings)
     std::fprintf(stderr, "warning: %s: %s\n", o.model.c_str(), w.c_str());
   LiveLocalizer localizer(map);
-  localizer.setPose(initialPose(o, bag));
+  const std::optional<Eigen::Vector3d> up = parseUp(o.up);
+  if (o.global || up)
+    localizer.searchEverywhere();
+  else
+    localizer.setPose(initialPose(o, bag));
   std::ofstream out(o.out);
   if (!out) throw InputError(o.out + ": cannot be written");
   out << "# T_map_base by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
@@ -120,20 +124,27 @@ int localizeBag(const LocalizeOptions& o) {
   std::string problem;
   while (bag.next(&input, &problem)) {
     bar.advance();
+    if (up && images.empty()) {
+      input.up.emplace();
+      input.up->up_base = *up;
+    }
     LiveResult r = localizer.process(input);
+    input.up.reset();
     if (!problem.empty()) r.problem = problem;
     if (!r.problem.empty()) bar.note("warning: " + r.problem);
     if (!r.updated) ++unusable;
     if (r.late) continue;
     char time[32];
     std::snprintf(time, sizeof time, "%.6f", input.time);
-    out << formatPose(time, r.estimate.mean) << std::endl;
+    if (localizer.isInitialized()) {
+      out << formatPose(time, r.estimate.mean) << std::endl;
+      estimate.push_back({input.time, time, r.estimate.mean});
+    }
     if (!out) throw InputError(o.out + ": cannot be written (disk full?)");
-    estimate.push_back({input.time, time, r.estimate.mean});
     ++states[nameOf(r.state)];
     images.push_back(jsonOf(r, time));
     if (r.updated) update_ms.push_back(images.back()["update_ms"].get<double>());
-    if (!o.overlay.empty() && !r.images.empty()) {
+    if (!o.overlay.empty() && !r.images.empty() && localizer.isInitialized()) {
       const std::string file = o.overlay + "/" + time + ".png";
       if (!cv::imwrite(file, drawOverlay(*map, *r.images.front(),
                                          r.estimate.mean * input.views.front().T_base_camera)))
@@ -150,7 +161,7 @@ int localizeBag(const LocalizeOptions& o) {
                          {"states", states},
                          {"update_ms_median", summarize(update_ms).median}};
   TrajectoryErrors errors;
-  if (!bag.truth().empty()) {
+  if (!bag.truth().empty() && !estimate.empty()) {
     errors = evaluateTrajectory(estimate, bag.truth());
     summary["position_error_median_m"] = errors.position_summary.median;
     summary["rotation_error_median_deg"] = errors.rotation_summary.median;
@@ -164,7 +175,7 @@ int localizeBag(const LocalizeOptions& o) {
                 bag.imageCount(), unusable, summarize(update_ms).median);
     for (const auto& [state, count] : states) std::printf(" %s %zu", state.c_str(), count);
     std::printf("\n");
-    if (!bag.truth().empty())
+    if (!bag.truth().empty() && !estimate.empty())
       std::printf("error: median %.2f cm, %.2f deg; within 10 cm and 3 deg: %.1f %%\n",
                   100 * errors.position_summary.median, errors.rotation_summary.median,
                   100 * errors.success_share);

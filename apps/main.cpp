@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   addRawlog(&app, &action);
   addDetect(&app, &action);
   addSimulate(&app, &action);
+  addTrials(&app, &action);
   addBench(&app, &action);
   addParameters(&app, &action);
   try {

@@ -17,7 +17,7 @@ StageTable StageTable::measure(const LocalizationMap& map, const Sequence& seque
                    {"update", {}}};
   SequenceLocalizer localizer(map, sequence, true);
   for (size_t i = 0; i < std::min(images, sequence.frames.size()); ++i) {
-    const FrameResult r = localizer.step();
+    const LiveResult r = localizer.step();
     if (!r.updated) continue;
     const StageTimes& t = r.image_times;
     const double rest = r.report.total_ms - r.report.likelihood_ms - r.report.refinement_ms;

@@ -296,7 +296,7 @@ std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, cons
   Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n, 0u), {},
               {}};
   std::iota(batch.order.begin(), batch.order.end(), 0u);
-  batch.sets = {std::make_shared<const VisibleSet>(set)};
+  batch.sets = {std::shared_ptr<const VisibleSet>(std::shared_ptr<const void>(), &set)};
   batch.thin(*set.model);
   std::vector<PoseScore> scores(n);
   scoreAll(batch, &scores);

@@ -76,6 +76,13 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
   return prepared;
 }
 
+std::shared_ptr<const SearchPlaces> LocalizationMap::searchPlaces() const {
+  const std::lock_guard<std::mutex> lock(search_places_->mutex);
+  if (!search_places_->places)
+    search_places_->places = std::make_shared<SearchPlaces>(*mesh_, *visibility_, params_.search);
+  return search_places_->places;
+}
+
 uint32_t LocalizationMap::thinningFor(const CameraView& view, const Pose& base_pose,
                                       size_t most) const {
   if (most == 0 || !view.image) return 1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "edge_mcl/core/mesh_model.h"
 #include "edge_mcl/core/parameters.h"
 #include "edge_mcl/core/pose_refiner.h"
+#include "edge_mcl/core/search_places.h"
 #include "edge_mcl/core/visibility.h"
 
 namespace edge_mcl {
@@ -67,8 +69,13 @@ class LocalizationMap {
   bool usesDepth() const { return depth_ != nullptr; }
   /// Null unless likelihood.cues asks for depth.
   const DepthLikelihood* depth() const { return depth_.get(); }
+  std::shared_ptr<const DepthLikelihood> sharedDepth() const { return depth_; }
   /// @throws InputError, see makeDepthPoints.
   std::shared_ptr<const DepthPoints> prepareDepth(const DepthImage& image) const;
+
+  /// Made with the first call, which takes seconds. Safe to call from several threads.
+  /// @throws InputError, see SearchPlaces.
+  std::shared_ptr<const SearchPlaces> searchPlaces() const;
 
   /// The thinning at which about `most` samples are inside the image at this pose of the base;
   /// 0 = all.
@@ -99,6 +106,11 @@ class LocalizationMap {
   std::unique_ptr<ScoreLevels> levels_;
   std::unique_ptr<PoseRefiner> refiner_;
   std::shared_ptr<const DepthLikelihood> depth_;
+  struct LazyPlaces {
+    std::mutex mutex;
+    std::shared_ptr<const SearchPlaces> places;
+  };
+  std::unique_ptr<LazyPlaces> search_places_ = std::make_unique<LazyPlaces>();
 };
 
 }  // namespace edge_mcl

@@ -243,6 +243,28 @@ void Parameters::validate() const {
           "positive");
   require(positive(tracking.max_gap), "tracking.max_gap", "positive");
   require(filter.max_passes >= 1 && filter.max_passes <= 100, "filter.max_passes", "1 to 100");
+  require(not_negative(search.clearance), "search.clearance", "zero or more");
+  require(share(search.enclosure), "search.enclosure", "0 to 1");
+  require(positive(search.place_spacing), "search.place_spacing", "positive");
+  require(search.max_places >= 1 && search.max_places <= 1000000, "search.max_places",
+          "1 to 1000000");
+  require(search.headings >= 1 && search.headings <= 10000, "search.headings", "1 to 10000");
+  require(search.orientations >= 1 && search.orientations <= 100000, "search.orientations",
+          "1 to 100000");
+  require(positive(search.tilt_sigma_deg), "search.tilt_sigma_deg", "positive");
+  require(search.small_width >= 80, "search.small_width", "at least 80");
+  require(search.refined >= 1, "search.refined", "at least 1");
+  require(search.hypotheses >= 2, "search.hypotheses", "at least 2");
+  require(not_negative(search.keyframe_distance), "search.keyframe_distance", "zero or more");
+  require(not_negative(search.keyframe_angle_deg), "search.keyframe_angle_deg", "zero or more");
+  require(not_negative(search.keyframe_period), "search.keyframe_period", "zero or more");
+  require(search.min_keyframes >= 1, "search.min_keyframes", "at least 1");
+  require(search.window >= search.min_keyframes && search.window <= 1000, "search.window",
+          "search.min_keyframes to 1000");
+  require(share(search.line_correlation), "search.line_correlation", "0 to 1");
+  require(not_negative(search.min_margin), "search.min_margin", "zero or more");
+  require(std::isfinite(search.min_evidence), "search.min_evidence", "a number");
+  require(share(search.min_match_ratio), "search.min_match_ratio", "0 to 1");
   if (!faults.empty()) throw ParameterError("parameters: " + faults);
 }
 

@@ -297,6 +297,66 @@ struct TrackingParameters {
   }
 };
 
+/// Looking for the pose in the whole model, or around where it was lost.
+struct SearchParameters {
+  bool recover = true;
+  double clearance = 0.2;
+  double enclosure = 0.7;
+  double place_spacing = 0.4;
+  int max_places = 6000;
+  int headings = 48;
+  int orientations = 300;
+  double tilt_sigma_deg = 2;
+  int small_width = 160;
+  int refined = 3000;
+  int hypotheses = 100;
+  double keyframe_distance = 0.15;
+  double keyframe_angle_deg = 6;
+  double keyframe_period = 0.5;
+  int window = 10;
+  int min_keyframes = 4;
+  double line_correlation = 0.1;
+  double min_margin = 100;
+  double min_evidence = 4;
+  double min_match_ratio = 0.8;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("recover", recover, "", "look for the pose again when it is lost");
+    v("clearance", clearance, "m", "the camera is at least so far from every surface");
+    v("enclosure", enclosure, "",
+      "inside a building: surfaces in at least this share of all directions; 0 = anywhere in the "
+      "model's bounds");
+    v("place_spacing", place_spacing, "m",
+      "distance of the places that are tried; more where there would be more than max_places");
+    v("max_places", max_places, "", "see place_spacing");
+    v("headings", headings, "", "directions tried per place when roll and pitch are known");
+    v("orientations", orientations, "",
+      "orientations tried per place when they are not: a camera held more or less upright");
+    v("tilt_sigma_deg", tilt_sigma_deg, "deg", "how well roll and pitch are known at least");
+    v("small_width", small_width, "px",
+      "width, at least, of the reduced image that all those poses are compared with first");
+    v("refined", refined, "", "the best so many of them are refined in the reduced image");
+    v("hypotheses", hypotheses, "", "at most so many are kept from keyframe to keyframe");
+    v("keyframe_distance", keyframe_distance, "m",
+      "an image counts as a new view after so much motion (or keyframe_angle_deg)");
+    v("keyframe_angle_deg", keyframe_angle_deg, "deg", "likewise, rotation");
+    v("keyframe_period", keyframe_period, "s", "likewise without odometry, time");
+    v("window", window, "", "keyframes that hypotheses are judged by, the newest");
+    v("min_keyframes", min_keyframes, "", "a pose is reported after at least so many keyframes");
+    v("line_correlation", line_correlation, "",
+      "as likelihood.line_correlation; low, so that poses that explain more of the image win");
+    v("min_margin", min_margin, "nats",
+      "and only when it explains them so much better than the next different one");
+    v("min_evidence", min_evidence, "nats",
+      "robust model: and its lines stand out from chance by this, mean over the keyframes");
+    v("min_match_ratio", min_match_ratio, "",
+      "where a smaller share of its samples has an image edge in reach, the margin must be larger, "
+      "by "
+      "the square of what is missing");
+  }
+};
+
 /// Everything.
 struct Parameters {
   MapParameters map;
@@ -307,6 +367,7 @@ struct Parameters {
   RefinementParameters refinement;
   FilterParameters filter;
   TrackingParameters tracking;
+  SearchParameters search;
 
   template <class Visitor>
   void visitGroups(Visitor&& v) {
@@ -318,6 +379,7 @@ struct Parameters {
     v("refinement", refinement);
     v("filter", filter);
     v("tracking", tracking);
+    v("search", search);
   }
 
   /// Lists every illegal value at once. @throws ParameterError

@@ -20,6 +20,8 @@ const char* nameOf(LocalizerState state) {
       return "degraded";
     case LocalizerState::kLost:
       return "lost";
+    case LocalizerState::kSearching:
+      return "searching";
   }
   return "?";
 }
@@ -35,11 +37,74 @@ void LiveLocalizer::begin() {
   fresh_ = true;
   odometry_of_update_.reset();
   trusted_at_.reset();
+  searching_ = false;
+  confirmed_since_.reset();
+  // Farther off than the normals reach the filter may settle beside the truth.
+  constexpr double kWidePosition = 0.3, kWideAngle = 0.14;  // m, rad; standard deviations
+  const Twist variance = initial_->covariance.diagonal();
+  needs_proof_ = std::sqrt(variance.head<3>().maxCoeff()) > kWidePosition ||
+                 std::sqrt(variance.tail<3>().maxCoeff()) > kWideAngle;
+  if (needs_proof_) beginSearch(true);
 }
 
 void LiveLocalizer::setPose(const PoseGaussian& pose) {
   filter_.initialize(pose);
   begin();
+}
+
+void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
+  map_ = std::move(map);
+  global_.reset();
+  if (searching_) beginSearch(false);
+}
+
+void LiveLocalizer::beginSearch(bool only_around) {
+  if (!global_)
+    global_ = std::make_unique<GlobalLocalizer>(*map_, map_->params().filter.seed * 7919 + 17);
+  // What is known while lost is worth a look around.
+  if (initial_)
+    global_->begin(filter_.estimate(), only_around);
+  else
+    global_->begin();
+  searching_ = true;
+}
+
+void LiveLocalizer::searchEverywhere() {
+  initial_.reset();
+  state_ = LocalizerState::kSearching;
+  odometry_of_update_.reset();
+  trusted_at_.reset();
+  beginSearch(false);
+}
+
+void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>& views,
+                           LiveResult* result) {
+  const SearchReport report = global_->process(views, input.up);
+  result->clusters = report.clusters;
+  result->search_keyframes = report.keyframes;
+  result->search_ms = report.total_ms;
+  result->updated = true;
+  if (!report.converged || !report.keyframe) return;
+  setPose(report.estimate);
+  fresh_ = false;  // it holds for this image
+  trusted_at_ = input.time;
+  result->relocalized = true;
+}
+
+bool LiveLocalizer::isProven(double time, bool confirmed) {
+  constexpr double kLongEnough = 1;  // s
+  constexpr int kEnough = 5;         // images
+  if (!confirmed) {
+    confirmed_since_.reset();
+    return false;
+  }
+  if (!confirmed_since_) {
+    confirmed_since_ = time;
+    confirmed_images_ = 0;
+  }
+  ++confirmed_images_;
+  if (time - *confirmed_since_ >= kLongEnough && confirmed_images_ >= kEnough) needs_proof_ = false;
+  return !needs_proof_;
 }
 
 void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
@@ -56,22 +121,32 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
       return false;
     }
     // A recording that is played again, or a simulation that begins anew.
-    setPose(PoseGaussian(*initial_));
+    if (initial_)
+      setPose(PoseGaussian(*initial_));
+    else
+      searchEverywhere();
     result->restarted = true;
-    result->problem = "the clock jumped back; began again at the initial pose";
+    result->problem = initial_ ? "the clock jumped back; began again at the initial pose"
+                               : "the clock jumped back; the search began again";
   }
   // A pose that was just given holds for the first image after it.
-  if (!fresh_ && last_time_) {
+  if (last_time_ && !result->restarted) {
     const double dt = input.time - *last_time_;
+    std::optional<Pose> increment;
     if (input.odometry && last_odometry_)
-      filter_.predictWithOdometry(normalized(last_odometry_->inverse() * *input.odometry), dt);
-    else
-      filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap));
+      increment = normalized(last_odometry_->inverse() * *input.odometry);
+    if (searching_) global_->move(increment, dt);
+    if (initial_ && !fresh_) {
+      if (increment)
+        filter_.predictWithOdometry(*increment, dt);
+      else
+        filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap));
+    }
   }
   fresh_ = false;
   last_time_ = input.time;
   last_odometry_ = input.odometry;
-  if (input.up && !filter_.correctTilt(*input.up))
+  if (initial_ && input.up && !filter_.correctTilt(*input.up))
     result->problem = "the IMU's roll and pitch contradict the pose, not used";
   return true;
 }
@@ -86,10 +161,9 @@ bool LiveLocalizer::hasMoved(const LiveInput& input) const {
          (p.update_min_a_deg > 0 && angle_deg >= p.update_min_a_deg);
 }
 
-std::vector<CameraView> LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
-                                                     std::string* problem) const {
+void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
+                                  std::vector<CameraView>* views, std::string* problem) const {
   const TrackingParameters& p = tracking_;
-  std::vector<CameraView> views;
   for (const LiveInput::View& view : input.views) {
     if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
       const double share =
@@ -115,16 +189,8 @@ std::vector<CameraView> LiveLocalizer::prepareImages(const LiveInput& input, Liv
       continue;
     }
     result->images.push_back(image);
-    views.push_back({image, view.T_base_camera, 1, nullptr});
+    views->push_back({image, view.T_base_camera, 1, nullptr});
   }
-  // While it converges, the mean may see less than some of the particles do.
-  if (!views.empty() && state_ != LocalizerState::kConverging &&
-      map_->evaluate(views, {filter_.estimate().mean}).front().sample_weight <
-          p.min_visible_samples) {
-    *problem = "too little of the model in view at the expected pose";
-    views.clear();
-  }
-  return views;
 }
 
 std::vector<CameraView> LiveLocalizer::prepareDepths(const LiveInput& input,
@@ -145,13 +211,27 @@ std::vector<CameraView> LiveLocalizer::prepareDepths(const LiveInput& input,
   return views;
 }
 
-std::string LiveLocalizer::useImages(const LiveInput& input, LiveResult* result) {
+std::vector<CameraView> LiveLocalizer::prepare(const LiveInput& input, LiveResult* result,
+                                               std::string* problem) const {
   std::vector<CameraView> views;
-  std::string problem;
-  if (map_->usesImages()) views = prepareImages(input, result, &problem);
+  if (map_->usesImages()) prepareImages(input, result, &views, problem);
   if (map_->usesDepth())
-    for (CameraView& view : prepareDepths(input, &problem)) views.push_back(std::move(view));
-  if (views.empty()) return problem.empty() ? "no image" : problem;
+    for (CameraView& view : prepareDepths(input, problem)) views.push_back(std::move(view));
+  if (views.empty() && problem->empty()) *problem = "no image";
+  return views;
+}
+
+std::string LiveLocalizer::useImages(std::vector<CameraView> views, LiveResult* result) {
+  std::string problem;
+  const auto hasImage = [](const CameraView& v) { return v.image != nullptr; };
+  // While it converges, the mean may see less than some of the particles do.
+  if (std::any_of(views.begin(), views.end(), hasImage) && state_ != LocalizerState::kConverging &&
+      map_->evaluate(views, {filter_.estimate().mean}).front().sample_weight <
+          tracking_.min_visible_samples) {
+    problem = "too little of the model in view at the expected pose";
+    views.erase(std::remove_if(views.begin(), views.end(), hasImage), views.end());
+    if (views.empty()) return problem;
+  }
   result->report = filter_.update(*map_, views);
   result->updated = true;
   const UpdateReport& r = result->report;
@@ -193,32 +273,52 @@ void LiveLocalizer::judge(double time, bool trusted, bool used) {
 
 LiveResult LiveLocalizer::process(const LiveInput& input) {
   LiveResult result;
-  if (!isInitialized()) {
+  if (!isInitialized() && !searching_) {
     result.problem = "no initial pose yet";
     last_time_ = input.time;
     last_odometry_ = input.odometry;
     return result;
   }
   try {
-    if (advanceTo(input, &result)) {
-      if (hasMoved(input)) {
-        const std::string problem = useImages(input, &result);
-        if (!problem.empty()) result.problem = problem;
-        if (result.updated) odometry_of_update_ = input.odometry;
-        const bool trusted = isConfirmed(result);
-        judge(input.time, trusted, result.updated);
-        if (result.updated && !trusted && result.problem.empty())
-          result.problem = "the image does not confirm the pose";
-      } else if (trusted_at_) {
-        trusted_at_ = input.time;  // at rest there is nothing to lose
-      }
-    }
+    if (advanceTo(input, &result)) processImages(input, &result);
   } catch (const Error& e) {
     result.problem = e.what();
   }
   result.state = state_;
   result.estimate = filter_.estimate();
   return result;
+}
+
+void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
+  if (isInitialized() && !searching_ && !hasMoved(input)) {
+    if (trusted_at_) trusted_at_ = input.time;  // at rest there is nothing to lose
+    return;
+  }
+  std::string problem;
+  const std::vector<CameraView> views = prepare(input, result, &problem);
+  bool trusted = false;
+  if (isInitialized()) {
+    if (!views.empty()) {
+      const std::string of_use = useImages(views, result);
+      if (!of_use.empty()) problem = of_use;
+    }
+    if (result->updated) odometry_of_update_ = input.odometry;
+    const bool confirmed = isConfirmed(*result);
+    trusted = isProven(input.time, confirmed);
+    if (result->updated && !confirmed && problem.empty())
+      problem = "the image does not confirm the pose";
+    judge(input.time, trusted, result->updated);
+    if (trusted) searching_ = false;
+    if (state_ == LocalizerState::kLost) {
+      needs_proof_ = true;
+      if (!searching_ && map_->params().search.recover) beginSearch(false);
+    }
+  }
+  if (searching_ && !views.empty()) {
+    search(input, views, result);
+    if (problem.empty() && !result->relocalized) problem = "looking for the pose";
+  }
+  if (!problem.empty()) result->problem = problem;
 }
 
 }  // namespace edge_mcl

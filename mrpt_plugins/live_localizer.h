@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/mrpt_plugins/global_localizer.h"
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
 
 namespace edge_mcl {
 
-enum class LocalizerState { kUninitialized, kConverging, kTracking, kDegraded, kLost };
+enum class LocalizerState { kUninitialized, kConverging, kTracking, kDegraded, kLost, kSearching };
 
 /// "tracking" etc.
 const char* nameOf(LocalizerState state);
@@ -51,6 +52,11 @@ struct LiveResult {
   double masked_share = 0;  ///< largest of the views
   double match_ratio = 0;
   std::vector<std::shared_ptr<const PreparedImage>> images;  ///< empty where not prepared
+  /// While the pose is looked for: where it may be, best first. Empty otherwise.
+  std::vector<PoseCluster> clusters;
+  int search_keyframes = 0;  ///< views that the search has used so far
+  double search_ms = 0;
+  bool relocalized = false;  ///< the search has found the pose; tracking begins there
 };
 
 class LiveLocalizer {
@@ -59,14 +65,17 @@ class LiveLocalizer {
 
   /// Begins here, T_map_base, with the next image. @throws InputError when it is not finite.
   void setPose(const PoseGaussian& pose);
+  /// Looks for the pose in the whole model from the next image on. Until it is found there is none.
+  void searchEverywhere();
   /// Takes over particles, e.g. stored ones. @throws InputError
   void setParticles(std::vector<Pose> poses, std::vector<double> log_weights);
   /// When images are used and poses trusted from now on (else as the map's parameters say).
   const TrackingParameters& tracking() const { return tracking_; }
   void setTracking(const TrackingParameters& tracking) { tracking_ = tracking; }
   /// Goes on in another map.
-  void setMap(std::shared_ptr<const LocalizationMap> map) { map_ = std::move(map); }
+  void setMap(std::shared_ptr<const LocalizationMap> map);
 
+  /// Whether there is a pose, however good.
   bool isInitialized() const { return initial_.has_value(); }
   const LocalizationMap& map() const { return *map_; }
   const PoseFilter& filter() const { return filter_; }
@@ -80,9 +89,15 @@ class LiveLocalizer {
   void begin();
   bool advanceTo(const LiveInput& input, LiveResult* result);
   bool hasMoved(const LiveInput& input) const;
-  std::string useImages(const LiveInput& input, LiveResult* result);
-  std::vector<CameraView> prepareImages(const LiveInput& input, LiveResult* result,
-                                        std::string* problem) const;
+  void processImages(const LiveInput& input, LiveResult* result);
+  std::vector<CameraView> prepare(const LiveInput& input, LiveResult* result,
+                                  std::string* problem) const;
+  std::string useImages(std::vector<CameraView> views, LiveResult* result);
+  void beginSearch(bool only_around);
+  bool isProven(double time, bool confirmed);
+  void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
+  void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
+                     std::string* problem) const;
   std::vector<CameraView> prepareDepths(const LiveInput& input, std::string* problem) const;
   bool isConfirmed(const LiveResult& result) const;
   void judge(double time, bool trusted, bool used);
@@ -95,8 +110,14 @@ class LiveLocalizer {
   bool fresh_ = false;  // no image since the pose was given
   std::optional<double> last_time_;
   std::optional<Pose> last_odometry_;
-  std::optional<Pose> odometry_of_update_;  // where the images were last used
-  std::optional<double> trusted_at_;        // last time, or when it began
+  std::optional<Pose> odometry_of_update_;   // where the images were last used
+  std::optional<double> trusted_at_;         // last time, or when it began
+  std::unique_ptr<GlobalLocalizer> global_;  // made when first needed
+  bool searching_ = false;
+  // Begun far from where it is, perhaps, or lost since: one image that fits proves nothing.
+  bool needs_proof_ = false;
+  std::optional<double> confirmed_since_;  // without a gap
+  int confirmed_images_ = 0;               // since then
 };
 
 }  // namespace edge_mcl

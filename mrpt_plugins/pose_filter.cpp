@@ -8,6 +8,7 @@
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/mrpt_plugins/mode_proposal.h"
+#include "edge_mcl/mrpt_plugins/motion_noise.h"
 #include "edge_mcl/mrpt_plugins/resampling.h"
 
 namespace edge_mcl {
@@ -79,9 +80,7 @@ void PoseFilter::resampleIfNeeded() {
   log_weights_.assign(poses_.size(), 0);
 }
 
-void PoseFilter::addNoise(double std_position, double std_angle) {
-  Twist scale;
-  scale << std_position, std_position, std_position, std_angle, std_angle, std_angle;
+void PoseFilter::addNoise(const Twist& scale) {
   for (Pose& pose : poses_)
     pose = normalized(pose * expSe3(scale.cwiseProduct(random_.normalTwist())));
   noise_variance_ += scale.cwiseAbs2();
@@ -100,12 +99,7 @@ void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
   resampleIfNeeded();
   const Twist noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
-  constexpr double kReferenceTime = 0.1, kDegree = M_PI / 180;
-  const double root = std::sqrt(dt / kReferenceTime);
-  addNoise(params_.odometry_noise_position * root +
-               params_.odometry_noise_per_metre * increment.translation().norm(),
-           params_.odometry_noise_angle_deg * kDegree * root +
-               params_.odometry_noise_per_radian * logSo3(increment.linear()).norm());
+  addNoise(odometryNoise(params_, increment, dt));
   moveEstimate(increment, noise_before);
   since_last_estimate_ += dt;
 }
@@ -116,10 +110,7 @@ void PoseFilter::predictWithoutOdometry(double dt) {
   const Pose increment = expSe3(velocity_ * dt);
   const Twist noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
-  const double root = std::sqrt(dt), half_square = dt * dt / 2, degree = M_PI / 180;
-  addNoise(params_.walk_position_rate * root + params_.walk_acceleration * half_square,
-           degree * (params_.walk_angle_rate_deg * root +
-                     params_.walk_angular_acceleration_deg * half_square));
+  addNoise(walkNoise(params_, dt));
   moveEstimate(increment, noise_before);
   since_last_estimate_ += dt;
 }

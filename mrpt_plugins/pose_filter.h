@@ -76,7 +76,7 @@ class PoseFilter {
 
  private:
   void resampleIfNeeded();
-  void addNoise(double std_position, double std_angle);
+  void addNoise(const Twist& scale);
   void moveEstimate(const Pose& increment, const Twist& noise_before);
   void trackVelocity();
   void weigh(const LocalizationMap& map, const std::vector<CameraView>& views,

@@ -1,46 +1,39 @@
-/// Runs the filter over a recorded sequence, image by image.
+/// Runs the localizer over a recorded sequence, image by image.
 #pragma once
-
-#include <memory>
-#include <string>
 
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/core/sequence.h"
-#include "edge_mcl/mrpt_plugins/pose_filter.h"
+#include "edge_mcl/mrpt_plugins/live_localizer.h"
 
 namespace edge_mcl {
 
-/// Result of one image.
-struct FrameResult {
-  PoseGaussian estimate;  ///< T_map_camera
-  UpdateReport report;
-  StageTimes image_times;
-  double reading_ms = 0;
-  bool updated = false;  ///< false: pose predicted, as there was nothing to use
-  std::string problem;   ///< one line: what could not be used, and why
-  std::shared_ptr<const PreparedImage> image;  ///< null where not used
-};
-
 class SequenceLocalizer {
  public:
-  /// Both references must outlive this object. The base is the camera.
+  /// Both references must outlive this object. The base is the camera, T_map_base = T_map_camera.
   SequenceLocalizer(const LocalizationMap& map, const Sequence& sequence, bool use_masks);
 
   /// Overrides the spread of the first particles (else the sequence's own): m, rad.
   void setInitialSpread(double std_position, double std_angle);
+  /// Forgets the sequence's initial pose: it is looked for in the whole model.
+  /// @param up_camera which way is up in the first image, camera axes, if known.
+  void searchEverywhere(const std::optional<Eigen::Vector3d>& up_camera);
 
   size_t frameCount() const { return sequence_.frames.size(); }
   /// Processes the next image. Unreadable input is reported in the result, not thrown.
-  FrameResult step();
-  const PoseFilter& filter() const { return filter_; }
+  LiveResult step();
+  /// Of the last step: reading its files.
+  double readingMs() const { return reading_ms_; }
+  const LiveLocalizer& localizer() const { return localizer_; }
 
  private:
-  void predict(const SequenceFrame& frame);
+  LiveInput read(const SequenceFrame& frame, std::string* problem);
   const LocalizationMap& map_;
   const Sequence& sequence_;
   bool use_masks_;
-  PoseFilter filter_;
+  LiveLocalizer localizer_;
+  std::optional<Eigen::Vector3d> up_camera_;
   size_t next_ = 0;
+  double reading_ms_ = 0;
 };
 
 }  // namespace edge_mcl

@@ -48,7 +48,9 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   publisher_->publishModel(*map);
   ROS_INFO("%s: %zu lines; %d particles; %s", params_.model_file.c_str(), map->edges().lines.size(),
            method_.filter.particles, map->backend().name().c_str());
-  if (!params_.has_initial_pose) ROS_INFO("waiting for an initial pose on initialpose");
+  if (!params_.has_initial_pose && params_.global_start) localizer_->searchEverywhere();
+  if (!params_.has_initial_pose && !params_.global_start)
+    ROS_INFO("waiting for an initial pose on initialpose, or for a call of global_localization");
   if (params_.odometry == "topic") odometry_buffer_ = std::make_unique<tf2::BufferCore>();
   tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_);
   diagnostics_.setHardwareID("edge_mcl");
@@ -137,6 +139,12 @@ void LocalizerNode::subscribe() {
       "request_nomotion_update", [this](std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
         const std::lock_guard<std::mutex> lock(localizer_mutex_);
         return force_update_ = true;
+      }));
+  services_.push_back(nh_.advertiseService<std_srvs::Empty::Request, std_srvs::Empty::Response>(
+      "global_localization", [this](std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+        const std::lock_guard<std::mutex> lock(localizer_mutex_);
+        localizer_->searchEverywhere();
+        return true;
       }));
   services_.push_back(private_nh_.advertiseService<SetPose::Request, SetPose::Response>(
       "set_pose", [this](SetPose::Request& request, SetPose::Response& response) {

@@ -17,6 +17,7 @@ ResultPublisher::ResultPublisher(ros::NodeHandle nh, ros::NodeHandle private_nh,
     : params_(params),
       pose_(nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 5, true)),
       cloud_(nh.advertise<geometry_msgs::PoseArray>("particlecloud", 2)),
+      hypotheses_(nh.advertise<geometry_msgs::PoseArray>("hypotheses", 2)),
       status_(private_nh.advertise<Status>("status", 5, true)),
       model_(private_nh.advertise<visualization_msgs::Marker>("model", 1, true)),
       odometry_(nh.advertise<nav_msgs::Odometry>("odometry/filtered", 20)),
@@ -34,6 +35,13 @@ void ResultPublisher::publish(const LiveResult& result, const LiveLocalizer& loc
     publishTransform(result.estimate, context);
     if (cloud_.getNumSubscribers() > 0) publishCloud(localizer, context.stamp);
     if (overlay_.getNumSubscribers() > 0) publishOverlay(result, localizer, context);
+  }
+  if (!result.clusters.empty() && hypotheses_.getNumSubscribers() > 0) {
+    geometry_msgs::PoseArray hypotheses;
+    hypotheses.header.stamp = context.stamp;
+    hypotheses.header.frame_id = params_.global_frame_id;
+    for (const PoseCluster& c : result.clusters) hypotheses.poses.push_back(toPoseMessage(c.pose));
+    hypotheses_.publish(hypotheses);
   }
   publishStatus(result, localizer, context);
 }
@@ -96,6 +104,8 @@ void ResultPublisher::publishStatus(const LiveResult& result, const LiveLocalize
   status.update_ms = static_cast<float>(context.update_ms);
   status.image_age = static_cast<float>((ros::Time::now() - context.stamp).toSec());
   status.mask_age = static_cast<float>(context.mask_age);
+  status.search_keyframes = static_cast<uint32_t>(result.search_keyframes);
+  status.search_ms = static_cast<float>(result.search_ms);
   status.images_received = context.images_received;
   status.images_dropped = context.images_dropped;
   status.updates = context.updates;

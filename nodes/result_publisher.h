@@ -51,7 +51,7 @@ class ResultPublisher {
                       const ResultContext& context);
 
   NodeParameters params_;
-  ros::Publisher pose_, cloud_, status_, model_, odometry_;
+  ros::Publisher pose_, cloud_, hypotheses_, status_, model_, odometry_;
   image_transport::ImageTransport transport_;
   image_transport::Publisher overlay_;
   tf2_ros::TransformBroadcaster broadcaster_;

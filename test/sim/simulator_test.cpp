@@ -102,7 +102,7 @@ TEST_F(SimulatorTest, WhatItWritesIsASequenceAndIsTracked) {
   SequenceLocalizer localizer(map, sequence, true);
   double worst = 0;
   for (const SequenceFrame& frame : sequence.frames) {
-    const FrameResult r = localizer.step();
+    const LiveResult r = localizer.step();
     EXPECT_TRUE(r.updated) << r.problem;
     ASSERT_TRUE(frame.ground_truth && !frame.mask_file.empty());
     worst =

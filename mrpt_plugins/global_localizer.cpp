@@ -1,0 +1,279 @@
+#include "edge_mcl/mrpt_plugins/global_localizer.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "edge_mcl/mrpt_plugins/motion_noise.h"
+#include "edge_mcl/mrpt_plugins/resampling.h"
+
+namespace edge_mcl {
+
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+// Hypotheses closer than this are the same place.
+constexpr double kSamePlace = 0.5, kSameHeading = 15 * kDegree;
+
+}  // namespace
+
+GlobalLocalizer::GlobalLocalizer(const LocalizationMap& map, uint64_t seed)
+    : map_(map), search_(map), random_(seed) {}
+
+void GlobalLocalizer::begin() {
+  keyframes_.clear();
+  keyframe_count_ = 0;
+  hypotheses_.clear();
+  guess_.reset();
+  only_guess_ = false;
+  up_.reset();
+  motion_ = Pose::Identity();
+  variance_.setZero();
+  elapsed_ = 0;
+  has_odometry_ = true;
+  report_ = {};
+}
+
+void GlobalLocalizer::begin(const PoseGaussian& guess, bool only_there) {
+  begin();
+  guess_ = guess;
+  only_guess_ = only_there;
+}
+
+void GlobalLocalizer::move(const std::optional<Pose>& increment, double dt) {
+  const FilterParameters& p = map_.params().filter;
+  const Pose step = increment.value_or(Pose::Identity());
+  const Twist sigma = increment ? odometryNoise(p, step, dt) : walkNoise(p, dt);
+  motion_ = normalized(motion_ * step);
+  variance_ += sigma.cwiseAbs2();
+  elapsed_ += dt;
+  has_odometry_ = has_odometry_ && increment.has_value();
+  if (up_) {
+    up_->up_base = step.linear().transpose() * up_->up_base;
+    up_->sigma = std::hypot(up_->sigma, sigma[3]);
+    if (up_->sigma > 10 * kDegree) up_.reset();  // says no more than a search can find
+  }
+  if (guess_) {
+    const Matrix6 to_new_axes = adjoint(step.inverse());
+    guess_->mean = normalized(guess_->mean * step);
+    guess_->covariance = to_new_axes * guess_->covariance * to_new_axes.transpose();
+    guess_->covariance.diagonal() += sigma.cwiseAbs2();
+  }
+}
+
+bool GlobalLocalizer::isNewView() const {
+  if (keyframes_.empty()) return true;
+  const SearchParameters& p = map_.params().search;
+  if (!has_odometry_) return elapsed_ >= p.keyframe_period;
+  return motion_.translation().norm() >= p.keyframe_distance ||
+         logSo3(motion_.linear()).norm() >= p.keyframe_angle_deg * kDegree;
+}
+
+PoseGaussian GlobalLocalizer::predicted(const Pose& pose, const Pose& motion,
+                                        const Twist& variance) const {
+  // A refined pose is itself this uncertain, about.
+  constexpr double kPosition = 0.02, kAngle = 0.5 * kDegree;
+  PoseGaussian result;
+  result.mean = normalized(pose * motion);
+  result.covariance.diagonal().head<3>().setConstant(kPosition * kPosition);
+  result.covariance.diagonal().tail<3>().setConstant(kAngle * kAngle);
+  result.covariance.diagonal() += variance;
+  return result;
+}
+
+SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
+                                      const std::optional<UpReading>& up) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (up) up_ = up;
+  report_.keyframe = false;
+  report_.total_ms = 0;
+  if (!isNewView()) {
+    report_.estimate.mean =
+        hypotheses_.empty() ? Pose::Identity() : normalized(hypotheses_.front().pose * motion_);
+    return report_;
+  }
+  keyframes_.push_back({views, motion_, variance_});
+  ++keyframe_count_;
+  if (keyframes_.size() > static_cast<size_t>(map_.params().search.window)) {
+    keyframes_.pop_front();
+    for (Hypothesis& h : hypotheses_) {
+      h.total -= h.history.front().log_likelihood;
+      h.history.pop_front();
+    }
+  }
+  follow();
+  motion_ = Pose::Identity();
+  variance_.setZero();
+  elapsed_ = 0;
+  has_odometry_ = true;
+  look();
+  sortAndPrune();
+  report_ = judge();
+  report_.keyframe = true;
+  report_.total_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return report_;
+}
+
+void GlobalLocalizer::follow() {
+  const Keyframe& now = keyframes_.back();
+  tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
+    Hypothesis& h = hypotheses_[i];
+    const PoseGaussian prior = predicted(h.pose, now.motion, now.variance);
+    FoundPose found = search_.sharpen(now.views, prior.mean, prior);
+    h.pose = found.pose;
+    h.total += found.log_likelihood;
+    h.history.push_back(found);
+  });
+}
+
+std::vector<CameraView> GlobalLocalizer::rig() const {
+  // What the last few keyframes saw, as if cameras of one robot had seen it at once: odometry is
+  // good for so long, and poses that are wrong seldom explain all of it.
+  constexpr size_t kMost = 3;
+  std::vector<CameraView> views;
+  Pose to_then = Pose::Identity();
+  for (size_t k = keyframes_.size(); k-- > 0 && keyframes_.size() - k <= kMost;) {
+    for (CameraView view : keyframes_[k].views) {
+      view.T_base_camera = to_then * view.T_base_camera;
+      views.push_back(std::move(view));
+    }
+    to_then = to_then * keyframes_[k].motion.inverse();
+  }
+  return views;
+}
+
+std::vector<Pose> GlobalLocalizer::candidates() {
+  std::vector<Pose> found;
+  const std::vector<CameraView> views = rig();
+  if (guess_) found = search_.around(views, *guess_, up_, &random_);
+  const auto add = [&](const std::vector<Pose>& more) {
+    found.insert(found.end(), more.begin(), more.end());
+  };
+  if (only_guess_) return found;
+  // Both ways at first, then in turn.
+  const bool even = keyframe_count_ % 2 == 0;
+  if (!even || keyframe_count_ == 2) add(search_.everywhere(views, up_, &random_));
+  if (even && !hypotheses_.empty()) add(search_.everywhere(views, up_, rotations(), &random_));
+  return found;
+}
+
+std::vector<Eigen::Matrix3d> GlobalLocalizer::rotations() const {
+  constexpr size_t kMost = 8;
+  constexpr double kApart = 4 * kDegree;
+  std::vector<Pose> chosen;
+  for (const Hypothesis& h : hypotheses_)
+    for (int quarter = 0; quarter < 4 && chosen.size() < kMost; ++quarter) {
+      Pose turned = Pose::Identity();
+      turned.linear() =
+          Eigen::AngleAxisd(quarter * M_PI / 2, Eigen::Vector3d::UnitZ()) * h.pose.linear();
+      if (std::none_of(chosen.begin(), chosen.end(),
+                       [&](const Pose& c) { return rotationAngle(c, turned) < kApart; }))
+        chosen.push_back(turned);
+    }
+  std::vector<Eigen::Matrix3d> result;
+  for (const Pose& pose : chosen) result.push_back(pose.linear());
+  return result;
+}
+
+GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) const {
+  Hypothesis h;
+  h.pose = found.pose;
+  h.history = {found};
+  h.total = found.log_likelihood;
+  Pose pose = found.pose;
+  for (size_t k = keyframes_.size() - 1; k > 0; --k) {
+    const Keyframe& later = keyframes_[k];
+    const PoseGaussian prior = predicted(pose, later.motion.inverse(), later.variance);
+    const FoundPose before = search_.sharpen(keyframes_[k - 1].views, prior.mean, prior);
+    pose = before.pose;
+    h.total += before.log_likelihood;
+    h.history.push_front(before);
+  }
+  return h;
+}
+
+void GlobalLocalizer::look() {
+  const std::vector<Pose> starts = candidates();
+  std::vector<FoundPose> found(starts.size());
+  tbb::parallel_for(size_t{0}, starts.size(), [&](size_t i) {
+    found[i] =
+        search_.sharpen(keyframes_.back().views, starts[i], search_.looseAround(starts[i], up_));
+  });
+  std::stable_sort(found.begin(), found.end(), [](const FoundPose& a, const FoundPose& b) {
+    return a.log_likelihood > b.log_likelihood;
+  });
+  std::vector<FoundPose> fresh;
+  for (const FoundPose& f : found) {
+    if (fresh.size() >= static_cast<size_t>(map_.params().search.hypotheses)) break;
+    const auto known = [&](const auto& other) {
+      return isNear(other.pose, f.pose, 0.1, 3 * kDegree);
+    };
+    if (std::none_of(hypotheses_.begin(), hypotheses_.end(), known) &&
+        std::none_of(fresh.begin(), fresh.end(), known))
+      fresh.push_back(f);
+  }
+  const size_t old = hypotheses_.size();
+  hypotheses_.resize(old + fresh.size());
+  tbb::parallel_for(size_t{0}, fresh.size(),
+                    [&](size_t i) { hypotheses_[old + i] = backwards(fresh[i]); });
+}
+
+void GlobalLocalizer::sortAndPrune() {
+  const SearchParameters& p = map_.params().search;
+  std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.total > b.total; });
+  std::vector<Hypothesis> kept;
+  for (Hypothesis& h : hypotheses_) {
+    if (kept.size() >= static_cast<size_t>(p.hypotheses)) break;
+    if (h.total < hypotheses_.front().total - 4 * p.min_margin - 200) break;
+    const bool fresh = std::none_of(kept.begin(), kept.end(), [&](const Hypothesis& k) {
+      return isNear(k.pose, h.pose, 0.08, 2 * kDegree);
+    });
+    if (fresh) kept.push_back(std::move(h));
+  }
+  hypotheses_ = std::move(kept);
+}
+
+SearchReport GlobalLocalizer::judge() const {
+  const SearchParameters& p = map_.params().search;
+  SearchReport report;
+  report.keyframes = keyframe_count_;
+  report.hypotheses = static_cast<int>(hypotheses_.size());
+  if (hypotheses_.empty()) return report;
+  const Hypothesis& best = hypotheses_.front();
+  std::vector<double> totals;
+  double next = 0;  // what seeing nothing would score
+  for (const Hypothesis& h : hypotheses_) {
+    const bool same = std::any_of(
+        report.clusters.begin(), report.clusters.end(),
+        [&](const PoseCluster& c) { return isNear(c.pose, h.pose, kSamePlace, kSameHeading); });
+    if (same || report.clusters.size() >= 10) continue;
+    if (report.clusters.size() == 1) next = std::max(next, h.total);
+    report.clusters.push_back({h.pose, 0});
+    totals.push_back(h.total);
+  }
+  const std::vector<double> weights = normalize(totals);
+  for (size_t i = 0; i < weights.size(); ++i) report.clusters[i].weight = weights[i];
+  report.margin = best.total - next;
+  for (const FoundPose& f : best.history) {
+    report.evidence += f.evidence / static_cast<double>(best.history.size());
+    report.match_ratio += f.match_ratio / static_cast<double>(best.history.size());
+  }
+  report.estimate.mean = best.pose;
+  constexpr double kPosition = 0.05, kAngle = 1.5 * kDegree;
+  report.estimate.covariance.diagonal().head<3>().setConstant(kPosition * kPosition);
+  report.estimate.covariance.diagonal().tail<3>().setConstant(kAngle * kAngle);
+  // Where much of the model is not seen in the images, the rest must tell more.
+  constexpr double kLeastRatio = 0.3;
+  const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));
+  report.converged = keyframe_count_ >= p.min_keyframes && report.match_ratio >= kLeastRatio &&
+                     report.margin >= p.min_margin * shortfall * shortfall &&
+                     report.evidence >= p.min_evidence;
+  return report;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,86 @@
+/// Finds poses that may explain an image, in the whole model or around a guess.
+///
+/// Poses are tried from broad to sharp: very many against a broad likelihood of a reduced image;
+/// the best of them are refined there and weighed sharply; the best of those in the full image.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/core/small_image.h"
+#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/mrpt_plugins/tilt_correction.h"
+
+namespace edge_mcl {
+
+/// A pose, refined, and what the images say of it.
+struct FoundPose {
+  Pose pose = Pose::Identity();  ///< T_map_base
+  double log_likelihood = 0;
+  double evidence = 0;          ///< per line, see UpdateReport::evidence_per_line
+  double match_ratio = 0;       ///< share of the visible samples with an image edge in reach
+  double depth_agreement = -1;  ///< share of the depth points on the model; negative: none used
+};
+
+/// Closer than this in position and angle.
+bool isNear(const Pose& a, const Pose& b, double distance, double angle);
+
+class PoseSearch {
+ public:
+  /// The map must outlive this object. Cheap; what depends on the map alone is made with the first
+  /// search of the whole model.
+  explicit PoseSearch(const LocalizationMap& map);
+
+  /// Best first, none near another, up to about 10 cm and 3 degrees off: to be sharpened.
+  /// @param views may be of several moments, as cameras of one rig. @param up roll and pitch;
+  /// without, the first camera is taken to be held upright, looking up or down by some tens of
+  /// degrees.
+  std::vector<Pose> everywhere(const std::vector<CameraView>& views,
+                               const std::optional<UpReading>& up, RandomSource* random);
+  /// Tries these orientations (of the base) only, at more positions: in buildings of right angles a
+  /// wrong position often has a right orientation.
+  std::vector<Pose> everywhere(const std::vector<CameraView>& views,
+                               const std::optional<UpReading>& up,
+                               const std::vector<Eigen::Matrix3d>& rotations, RandomSource* random);
+  /// Draws from a Gaussian instead.
+  std::vector<Pose> around(const std::vector<CameraView>& views, const PoseGaussian& guess,
+                           const std::optional<UpReading>& up, RandomSource* random);
+
+  /// Refines one pose in the full images.
+  FoundPose sharpen(const std::vector<CameraView>& views, const Pose& start,
+                    const PoseGaussian& prior) const;
+
+  /// The prior for refining a pose that was found: wide, but for roll and pitch where known.
+  PoseGaussian looseAround(const Pose& start, const std::optional<UpReading>& up) const;
+
+ private:
+  /// A base pose, and what the first camera sees from about there.
+  struct Start {
+    Pose pose;
+    std::shared_ptr<const VisibleSet> visible;
+    double score = 0;
+  };
+  using SmallViews = std::vector<std::shared_ptr<const SmallImage>>;
+
+  SmallViews reduce(const std::vector<CameraView>& views) const;
+  void score(const std::vector<CameraView>& views, const SmallViews& small, bool sharp,
+             const std::shared_ptr<const VisibleSet>& visible, const std::vector<Pose>& poses,
+             double* scores) const;
+  std::vector<Pose> everywhere(
+      const std::vector<CameraView>& views, const std::optional<UpReading>& up, size_t per_place,
+      RandomSource* random,
+      const std::function<Eigen::Matrix3d(size_t, double, RandomSource*)>& rotationOf);
+  std::vector<Pose> finish(const std::vector<CameraView>& views, const SmallViews& small,
+                           std::vector<Start> starts, const std::optional<UpReading>& up) const;
+
+  const LocalizationMap& map_;
+  uint32_t small_thinning_, full_thinning_;
+  SmallImages small_images_;
+  PoseRefiner refiner_;
+  std::shared_ptr<const SearchPlaces> places_;  // null before the first search of everything
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,223 @@
+// Finding a pose without knowing where to begin, and again when it was lost.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/small_image.h"
+#include "edge_mcl/mrpt_plugins/live_localizer.h"
+#include "edge_mcl/sim/simulator.h"
+
+namespace edge_mcl {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double kDegree = M_PI / 180;
+const std::string kData = EDGE_MCL_TEST_DATA;
+
+/// As an IMU would say it, to about a degree.
+UpReading upOf(const Pose& truth, RandomSource* random) {
+  UpReading up;
+  up.sigma = 1 * kDegree;
+  const Eigen::Vector3d error =
+      up.sigma * Eigen::Vector3d(random->normal(), random->normal(), random->normal());
+  up.up_base = expSo3(error) * (truth.linear().transpose() * Eigen::Vector3d::UnitZ());
+  return up;
+}
+
+LiveInput inputOf(const RecordedFrame& frame, const CameraModel& camera, RandomSource* random) {
+  LiveInput input;
+  input.time = frame.time;
+  input.odometry = frame.odometry;
+  input.up = upOf(*frame.truth, random);
+  LiveInput::View view;
+  view.camera = camera;
+  view.image = frame.color;
+  view.mask = frame.mask;
+  view.origin = "image";
+  input.views = {view};
+  return input;
+}
+
+/// Smaller than the defaults, for a small building.
+Parameters quickSearch() {
+  Parameters params;
+  params.filter.particles = 300;
+  params.search.max_places = 1500;
+  params.search.refined = 1500;
+  params.search.hypotheses = 60;
+  return params;
+}
+
+bool isRight(const Pose& pose, const Pose& truth) { return isNear(pose, truth, 0.25, 5 * kDegree); }
+
+TEST(SmallImage, PixelsAreThoseOfTheFullImage) {
+  const Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
+  Simulator simulator(scenario);
+  RecordedFrame frame;
+  simulator.next(&frame);
+  const LocalizationMap map(scenario.model_file, {});
+  const auto full = map.prepare(scenario.camera, frame.color, frame.mask, "image");
+  const SmallImages images(map.params(), 160, map.edges().sample_step, 1);
+  const auto small = images.make(*full);
+  ASSERT_EQ(small->camera.width, 160);
+  ASSERT_EQ(small->camera.height, 120);
+  // The centre of the top-left pixel is (0, 0), so that of a block of 2 x 2 lies at (0.5, 0.5).
+  for (const Eigen::Vector3d& p :
+       {Eigen::Vector3d(0.1, -0.2, 1), Eigen::Vector3d(-0.4, 0.3, 1.2)}) {
+    Eigen::Vector2d a, b;
+    ASSERT_TRUE(scenario.camera.project(p, &a) && small->camera.project(p, &b));
+    EXPECT_NEAR(b.x(), (a.x() + 0.5) / 2 - 0.5, 1e-9);
+    EXPECT_NEAR(b.y(), (a.y() + 0.5) / 2 - 0.5, 1e-9);
+  }
+  EXPECT_GT(small->edges.edgeCount(), 200u);
+}
+
+TEST(Search, FindsTheCameraInTheOfficeAndTracksIt) {
+  Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
+  Simulator simulator(scenario);
+  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
+  LiveLocalizer localizer(map);
+  localizer.searchEverywhere();
+  RandomSource random(5);
+  RecordedFrame frame;
+  int found = 0, right = 0, after = 0;
+  for (size_t i = 0; i < simulator.imageCount(); ++i) {
+    simulator.next(&frame);
+    const LiveResult r = localizer.process(inputOf(frame, scenario.camera, &random));
+    if (!localizer.isInitialized()) {
+      EXPECT_EQ(r.state, LocalizerState::kSearching);
+      EXPECT_FALSE(r.clusters.empty());
+      continue;
+    }
+    found += r.relocalized ? 1 : 0;
+    ++after;
+    right += isRight(r.estimate.mean, *frame.truth) ? 1 : 0;
+  }
+  EXPECT_EQ(found, 1);
+  EXPECT_EQ(right, after);
+  EXPECT_GT(after, 20) << "of 61 images";
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+}
+
+TEST(Search, FindsItAgainAfterItWasCarriedElsewhere) {
+  Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
+  Simulator simulator(scenario);
+  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
+  LiveLocalizer localizer(map);
+  // As if it had been tracked in the other room before.
+  PoseGaussian elsewhere;
+  elsewhere.mean = scenario.cameraAt(0);
+  elsewhere.mean.pretranslate(Eigen::Vector3d(5, 1.5, 0));
+  elsewhere.covariance.diagonal().head<3>().setConstant(0.01);
+  elsewhere.covariance.diagonal().tail<3>().setConstant(0.002);
+  localizer.setPose(elsewhere);
+  RandomSource random(6);
+  RecordedFrame frame;
+  bool lost = false, relocalized = false;
+  for (size_t i = 0; i < simulator.imageCount(); ++i) {
+    simulator.next(&frame);
+    const LiveResult r = localizer.process(inputOf(frame, scenario.camera, &random));
+    lost |= r.state == LocalizerState::kLost;
+    relocalized |= r.relocalized;
+    if (r.state == LocalizerState::kTracking) {
+      EXPECT_TRUE(isRight(r.estimate.mean, *frame.truth)) << "image " << i;
+    }
+  }
+  EXPECT_TRUE(lost);
+  EXPECT_TRUE(relocalized);
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+}
+
+/// An empty box looks the same turned by half a turn: no number of images can tell.
+class SymmetricRoom : public testing::Test {
+ protected:
+  fs::path folder_ = fs::temp_directory_path() / ("edge_mcl_search_" + std::to_string(getpid()));
+  void SetUp() override {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "room.obj")
+        << "v 0 0 0\nv 5 0 0\nv 5 3 0\nv 0 3 0\nv 0 0 2.5\nv 5 0 2.5\nv 5 3 2.5\nv 0 3 2.5\n"
+           "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
+    std::ofstream(folder_ / "flight.yaml")
+        << "model: room.obj\ncamera: "
+        << fs::relative(kData + "small_camera.yaml", folder_).string()
+        << "\nrate: 5\npath:\n  - {time: 0, position: [1.5, 1.0, 1.2], yaw_deg: 20}\n"
+           "  - {time: 2, position: [2.6, 1.7, 1.4], yaw_deg: 80}\n"
+           "  - {time: 4, position: [3.4, 1.2, 1.2], yaw_deg: 140}\n";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// Reports of all images; poses are compared with `truth`.
+  std::vector<SearchReport> search(std::vector<Pose>* truth) {
+    const Scenario scenario = Scenario::fromYamlFile((folder_ / "flight.yaml").string());
+    Simulator simulator(scenario);
+    const LocalizationMap map(scenario.model_file, quickSearch());
+    GlobalLocalizer localizer(map, 1);
+    localizer.begin();
+    RandomSource random(7);
+    RecordedFrame frame;
+    std::optional<Pose> last;
+    std::vector<SearchReport> reports;
+    for (size_t i = 0; i < simulator.imageCount(); ++i) {
+      simulator.next(&frame);
+      if (last) localizer.move(last->inverse() * *frame.odometry, 0.2);
+      last = frame.odometry;
+      CameraView view;
+      view.image = map.prepare(scenario.camera, frame.color, {}, "image");
+      reports.push_back(localizer.process({view}, upOf(*frame.truth, &random)));
+      truth->push_back(*frame.truth);
+    }
+    return reports;
+  }
+};
+
+TEST_F(SymmetricRoom, StaysAmbiguousAndSaysSo) {
+  std::vector<Pose> truth;
+  const std::vector<SearchReport> reports = search(&truth);
+  Pose half_turn = Pose::Identity();
+  half_turn.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  half_turn.translation() = Eigen::Vector3d(5, 3, 0);
+  for (const SearchReport& r : reports) EXPECT_FALSE(r.converged);
+  size_t newest = reports.size() - 1;
+  while (newest > 0 && !reports[newest].keyframe) --newest;
+  const SearchReport& last = reports[newest];
+  ASSERT_GE(last.keyframes, 4);
+  ASSERT_GE(last.clusters.size(), 2u);
+  const auto contains = [&](const Pose& pose) {
+    return std::any_of(last.clusters.begin(), last.clusters.begin() + 2,
+                       [&](const PoseCluster& c) { return isRight(c.pose, pose); });
+  };
+  EXPECT_TRUE(contains(truth[newest]));
+  EXPECT_TRUE(contains(half_turn * truth[newest]));
+}
+
+TEST_F(SymmetricRoom, IsTheSameWhateverTheThreads) {
+  std::vector<Pose> truth;
+  const std::vector<SearchReport> many = search(&truth);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const std::vector<SearchReport> single = search(&truth);
+  for (size_t i = 0; i < many.size(); ++i) {
+    EXPECT_EQ(many[i].margin, single[i].margin);
+    EXPECT_EQ(many[i].estimate.mean.matrix(), single[i].estimate.mean.matrix());
+  }
+}
+
+TEST(Search, WithoutAnyPlaceItSaysWhy) {
+  MeshSoup soup;
+  soup.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  soup.triangles = {{0, 1, 2}, {0, 2, 3}};
+  soup.triangle_material = {0, 0};
+  const LocalizationMap map(weldMesh(std::move(soup), 1e-6, "test"), {});
+  try {
+    map.searchPlaces();
+    FAIL() << "a plate has no inside";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("search.clearance"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace edge_mcl
