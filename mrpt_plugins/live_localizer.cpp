@@ -39,12 +39,16 @@ void LiveLocalizer::begin() {
   trusted_at_.reset();
   searching_ = false;
   confirmed_since_.reset();
+  needs_proof_ = isSpreadWide();
+  if (needs_proof_) beginSearch(true);
+}
+
+bool LiveLocalizer::isSpreadWide() const {
   // Farther off than the normals reach the filter may settle beside the truth.
   constexpr double kWidePosition = 0.3, kWideAngle = 0.14;  // m, rad; standard deviations
-  const Twist variance = initial_->covariance.diagonal();
-  needs_proof_ = std::sqrt(variance.head<3>().maxCoeff()) > kWidePosition ||
-                 std::sqrt(variance.tail<3>().maxCoeff()) > kWideAngle;
-  if (needs_proof_) beginSearch(true);
+  const Twist variance = filter_.estimate().covariance.diagonal();
+  return std::sqrt(variance.head<3>().maxCoeff()) > kWidePosition ||
+         std::sqrt(variance.tail<3>().maxCoeff()) > kWideAngle;
 }
 
 void LiveLocalizer::setPose(const PoseGaussian& pose) {
@@ -310,8 +314,10 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     judge(input.time, trusted, result->updated);
     if (trusted) searching_ = false;
     if (state_ == LocalizerState::kLost) {
-      needs_proof_ = true;
-      if (!searching_ && map_->params().search.recover) beginSearch(false);
+      // In the dark nothing speaks against the pose; the first image that fits will do, unless the
+      // particles have spread too far meanwhile.
+      needs_proof_ = needs_proof_ || (result->updated && !confirmed) || isSpreadWide();
+      if (needs_proof_ && !searching_ && map_->params().search.recover) beginSearch(false);
     }
   }
   if (searching_ && !views.empty()) {

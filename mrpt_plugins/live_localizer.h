@@ -95,6 +95,7 @@ class LiveLocalizer {
   std::string useImages(std::vector<CameraView> views, LiveResult* result);
   void beginSearch(bool only_around);
   bool isProven(double time, bool confirmed);
+  bool isSpreadWide() const;
   void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem) const;
