@@ -178,12 +178,38 @@ def other_commands(c, source):
     again = c.run('parameters', '--params', yaml)
     check(again.stdout == r.stdout, 'parameters can be read back')
     for command in ('detect', 'localize', 'inspect', 'evaluate', 'basin', 'rawlog', 'simulate', 'bench',
-                    'parameters'):
+                    'parameters', 'trials'):
         r = c.run(command, '--help')
         check(r.returncode == OK and len(r.stdout) > 200, command + ' --help')
     check(c.run().returncode == USAGE, 'no subcommand')
     check(c.run('localize').returncode == USAGE, 'no sequence')
     check(c.run('localize', '/no/such/dir').returncode == INPUT, 'no such sequence')
+
+
+def search(c, source):
+    office = os.path.join(source, 'maps', 'office_flight.yaml')
+    r = c.run('trials', office, '--kind', 'teleport')
+    check(r.returncode == INPUT and 'kidnap' in r.stderr, 'trials of an unknown kind')
+    check(c.run('trials', '/no/such/file').returncode == INPUT, 'trials without a scenario')
+    out = os.path.join(c.folder, 'trials.json')
+    r = c.run('trials', office, '--kind', 'track', '--count', '1', '--images', '8', '--particles', '200',
+              '--out', out, '--json')
+    check(r.returncode == OK and json.loads(r.stdout)['flights'] == 1, 'trials --json')
+    with open(out) as f:
+        flight = json.load(f)['flights'][0]
+    check(flight['tracking'] > 0 and flight['silent_failures'] == 0, 'a flight is tracked: %s' % flight)
+    sequence = os.path.join(c.folder, 'good')
+    r = c.run('localize', sequence, '--up', 'north', '--out', os.path.join(c.folder, 'est.txt'))
+    check(r.returncode == USAGE and '--up' in r.stderr, 'localize --up north')
+    # A single square in front of the camera, no motion: a place is not told from others by that.
+    est, stats = os.path.join(c.folder, 'global.txt'), os.path.join(c.folder, 'global.json')
+    r = c.run('localize', sequence, '--up', '0,-1,0', '--out', est, '--stats', stats,
+              '--set', 'search.clearance=0', '--set', 'search.place_spacing=0.1')
+    with open(stats) as f:
+        states = json.load(f)['summary']['states']
+    with open(est) as f:
+        poses = [line for line in f if not line.startswith('#')]
+    check(states == {'searching': 5} and not poses, 'no pose is made up: %s, %d' % (states, len(poses)))
 
 
 def simulator(c, source):
@@ -257,6 +283,7 @@ def main():
         c = Cases(tool, folder)
         bad_input(c)
         other_commands(c, source)
+        search(c, source)
         simulator(c, source)
         detector(c, source)
     finally:
