@@ -13,10 +13,9 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr int kSmallWidth = 320;     // what is finer than this, masks do not need
-constexpr double kSameObject = 0.3;  // overlap of masks from which two are one object
-constexpr double kSameColors =
-    0.75;  // likeness of colour histograms from which one is known again
+constexpr int kSmallWidth = 320;      // what is finer than this, masks do not need
+constexpr double kSameObject = 0.3;   // overlap of masks from which two are one object
+constexpr double kSameColors = 0.75;  // likeness of colour histograms from which one is known again
 constexpr size_t kFewPoints = 5;
 
 cv::Matx23d chained(const cv::Matx23d& then, const cv::Matx23d& first) {
