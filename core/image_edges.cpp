@@ -49,7 +49,8 @@ double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
       const auto gy = static_cast<float>(image.gradient_y.at<int16_t>(y, x));
       magnitudes.push_back(std::sqrt(gx * gx + gy * gy));
     }
-  constexpr double kLeast = 24;  // about one and a half grey levels across an edge
+  // About one and a half grey levels across an edge.
+  constexpr double kLeast = 24 * EdgeImage::kGradientScale;
   if (magnitudes.empty()) return kLeast;
   auto sorted_below = magnitudes.begin();  // nothing from here on is smaller than what is before
   const auto quantile = [&](double q) {    // to be called with growing q
@@ -126,11 +127,10 @@ EdgeImage findEdges(const cv::Mat& image, const cv::Mat& mask, const ImageParame
                  cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(size, size)));
     }
   }
-  cv::Mat smooth;  // never the caller's pixels
-  if (params.blur_sigma <= 0)
-    smooth = result.grey;
-  else
-    cv::GaussianBlur(result.grey, smooth, cv::Size(), params.blur_sigma, params.blur_sigma,
+  cv::Mat smooth;  // Scharr's weights add up to 16: 16 * 255 * 8 just fits into 16 bits
+  result.grey.convertTo(smooth, CV_16S, EdgeImage::kGradientScale);
+  if (params.blur_sigma > 0)
+    cv::GaussianBlur(smooth, smooth, cv::Size(), params.blur_sigma, params.blur_sigma,
                      cv::BORDER_REPLICATE);
   cv::Scharr(smooth, result.gradient_x, CV_16S, 1, 0, 1, 0, cv::BORDER_REPLICATE);
   cv::Scharr(smooth, result.gradient_y, CV_16S, 0, 1, 1, 0, cv::BORDER_REPLICATE);

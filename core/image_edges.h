@@ -11,9 +11,12 @@ namespace edge_mcl {
 
 /// Edges of one image: a thin 8-connected map and the gradient that gives their direction.
 struct EdgeImage {
-  cv::Mat grey;                 ///< CV_8U, as received
-  cv::Mat edges;                ///< CV_8U, 255 on an edge; never inside the ignore mask
-  cv::Mat gradient_x;           ///< CV_16S, Scharr
+  cv::Mat grey;   ///< CV_8U, as received
+  cv::Mat edges;  ///< CV_8U, 255 on an edge; never inside the ignore mask
+  /// Gradients are taken of so many steps per grey level: in whole levels
+  /// weak noise would be rounded to nothing in most pixels and to an edge in the others.
+  static constexpr int kGradientScale = 8;
+  cv::Mat gradient_x;           ///< CV_16S, Scharr times kGradientScale
   cv::Mat gradient_y;           ///< CV_16S
   cv::Mat ignore;               ///< CV_8U, 255 = ignored, dilated; empty without a mask
   double strong_threshold = 0;  ///< gradient magnitude from which an edge starts

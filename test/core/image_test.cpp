@@ -5,7 +5,7 @@
 #include "edge_mcl/core/edge_field.h"
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/image_edges.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/core/random_source.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {
@@ -76,6 +76,15 @@ TEST(ImageEdges, UniformAndNoisyImagesHaveFew) {
   EXPECT_EQ(findEdges(cv::Mat(100, 100, CV_8U, cv::Scalar(0)), {}, {}, "black").edgeCount(), 0u);
   const EdgeImage noise = findEdges(disc(0, 120, 3, 3), {}, {}, "noise");
   EXPECT_LT(noise.edgeCount(), 200u * 200 / 50);
+}
+
+TEST(ImageEdges, NoiseOfAnyStrengthIsNoEdge) {
+  // Weak noise rounded to whole grey levels must not pass for an even surface with edges.
+  for (double sigma : {0.4, 0.7, 1.0, 1.4, 2.0, 3.0, 6.0})
+    for (uint64_t seed = 1; seed <= 3; ++seed) {
+      const EdgeImage noise = findEdges(disc(0, 60, sigma, seed), {}, {}, "noise");
+      EXPECT_LT(noise.edgeCount(), 200u * 200 / 50) << "sigma " << sigma << ", seed " << seed;
+    }
 }
 
 TEST(ImageEdges, TheMaskTakesTheOutlineOfAnObjectAlong) {

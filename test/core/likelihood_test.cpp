@@ -5,8 +5,8 @@
 
 #include "edge_mcl/core/cpu_backend.h"
 #include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/core/random_source.h"
 #include "edge_mcl/core/reference_likelihood.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {
