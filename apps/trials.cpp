@@ -11,9 +11,9 @@
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/live_localizer.h"
+#include "edge_mcl/sim/trial_flight.h"
 #include "output_files.h"
 #include "progress_bar.h"
-#include "trial_flight.h"
 
 namespace edge_mcl {
 

@@ -316,7 +316,7 @@ struct SearchParameters {
   int window = 10;
   int min_keyframes = 4;
   double line_correlation = 0.1;
-  double min_margin = 100;
+  double min_margin = 200;
   double min_evidence = 4;
   double min_match_ratio = 0.8;
 

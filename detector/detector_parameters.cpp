@@ -2,9 +2,7 @@
 
 #include <cmath>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/parameter_text.h"
-#include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/parameter_struct.h"
 
 namespace edge_mcl {
 
@@ -27,28 +25,10 @@ std::vector<std::string> DetectorParameters::faults() const {
   return list;
 }
 
-void DetectorParameters::validate() const {
-  std::string all;
-  for (const std::string& fault : faults()) all += (all.empty() ? "" : "; ") + fault;
-  if (!all.empty()) throw ParameterError(all);
-}
+void DetectorParameters::validate() const { throwFaults(faults()); }
 
 void DetectorParameters::set(const std::string& name, const std::string& value) {
-  bool known = false;
-  std::vector<std::string> names;
-  visit([&](const char* field_name, auto& field) {
-    names.emplace_back(field_name);
-    if (name != field_name) return;
-    known = true;
-    auto parsed = field;
-    if (!parameter_text::fromText(value, &parsed))
-      throw ParameterError("parameter '" + name + "': '" + value + "' is not " +
-                           parameter_text::typeName(parsed));
-    field = parsed;
-  });
-  if (!known)
-    throw ParameterError("unknown parameter '" + name + "' (nearest: '" + nearestName(name, names) +
-                         "')");
+  setParameter(name, value, this);
 }
 
 }  // namespace edge_mcl

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "edge_mcl/mrpt_plugins/motion_noise.h"
 #include "edge_mcl/mrpt_plugins/resampling.h"
@@ -17,6 +16,20 @@ namespace {
 constexpr double kDegree = M_PI / 180;
 // Hypotheses closer than this are the same place.
 constexpr double kSamePlace = 0.5, kSameHeading = 15 * kDegree;
+// Roll and pitch that are less certain say no more than a search can find.
+constexpr double kUselessTilt = 10 * kDegree;
+
+/// Roll and pitch as they were when it was lost: what carries a camera about seldom tilts it much.
+std::optional<UpReading> tiltOf(const PoseGaussian& lost) {
+  constexpr double kAtLeast = 5 * kDegree;
+  UpReading up;
+  up.up_base = lost.mean.linear().transpose() * Eigen::Vector3d::UnitZ();
+  const Eigen::Matrix3d rotation = lost.covariance.bottomRightCorner<3, 3>();
+  const double about_up = up.up_base.dot(rotation * up.up_base);
+  up.sigma = std::max(kAtLeast, std::sqrt(std::max(0.0, rotation.trace() - about_up) / 2));
+  if (!(up.sigma <= kUselessTilt)) return std::nullopt;
+  return up;
+}
 
 }  // namespace
 
@@ -30,6 +43,7 @@ void GlobalLocalizer::begin() {
   guess_.reset();
   only_guess_ = false;
   up_.reset();
+  tilt_is_assumed_ = false;
   motion_ = Pose::Identity();
   variance_.setZero();
   elapsed_ = 0;
@@ -41,6 +55,8 @@ void GlobalLocalizer::begin(const PoseGaussian& guess, bool only_there) {
   begin();
   guess_ = guess;
   only_guess_ = only_there;
+  up_ = tiltOf(guess);
+  tilt_is_assumed_ = true;
 }
 
 void GlobalLocalizer::move(const std::optional<Pose>& increment, double dt) {
@@ -54,7 +70,7 @@ void GlobalLocalizer::move(const std::optional<Pose>& increment, double dt) {
   if (up_) {
     up_->up_base = step.linear().transpose() * up_->up_base;
     up_->sigma = std::hypot(up_->sigma, sigma[3]);
-    if (up_->sigma > 10 * kDegree) up_.reset();  // says no more than a search can find
+    if (up_->sigma > kUselessTilt) up_.reset();
   }
   if (guess_) {
     const Matrix6 to_new_axes = adjoint(step.inverse());
@@ -87,7 +103,13 @@ PoseGaussian GlobalLocalizer::predicted(const Pose& pose, const Pose& motion,
 SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
                                       const std::optional<UpReading>& up) {
   const auto begin = std::chrono::steady_clock::now();
-  if (up) up_ = up;
+  // An assumption that leads nowhere is given up.
+  constexpr int kAssumedFor = 6;  // keyframes
+  if (tilt_is_assumed_ && keyframe_count_ >= kAssumedFor) up_.reset();
+  if (up) {
+    up_ = up;
+    tilt_is_assumed_ = false;
+  }
   report_.keyframe = false;
   report_.total_ms = 0;
   if (!isNewView()) {
@@ -154,9 +176,13 @@ std::vector<Pose> GlobalLocalizer::candidates() {
     found.insert(found.end(), more.begin(), more.end());
   };
   if (only_guess_) return found;
+  // What so many looks have not found, the next will hardly find.
+  constexpr int kEager = 12, kSeldom = 4;
+  if (keyframe_count_ > kEager && keyframe_count_ % kSeldom != 0) return found;
+  const int look = keyframe_count_ > kEager ? keyframe_count_ / kSeldom : keyframe_count_;
   // Both ways at first, then in turn.
-  const bool even = keyframe_count_ % 2 == 0;
-  if (!even || keyframe_count_ == 2) add(search_.everywhere(views, up_, &random_));
+  const bool even = look % 2 == 0;
+  if (!even || look == 2) add(search_.everywhere(views, up_, &random_));
   if (even && !hypotheses_.empty()) add(search_.everywhere(views, up_, rotations(), &random_));
   return found;
 }
@@ -259,20 +285,33 @@ SearchReport GlobalLocalizer::judge() const {
   const std::vector<double> weights = normalize(totals);
   for (size_t i = 0; i < weights.size(); ++i) report.clusters[i].weight = weights[i];
   report.margin = best.total - next;
+  int with_depth = 0;
   for (const FoundPose& f : best.history) {
     report.evidence += f.evidence / static_cast<double>(best.history.size());
     report.match_ratio += f.match_ratio / static_cast<double>(best.history.size());
+    if (f.depth_agreement < 0) continue;
+    report.depth_agreement += f.depth_agreement;
+    ++with_depth;
   }
+  if (with_depth > 0) report.depth_agreement /= with_depth;
   report.estimate.mean = best.pose;
   constexpr double kPosition = 0.05, kAngle = 1.5 * kDegree;
   report.estimate.covariance.diagonal().head<3>().setConstant(kPosition * kPosition);
   report.estimate.covariance.diagonal().tail<3>().setConstant(kAngle * kAngle);
-  // Where much of the model is not seen in the images, the rest must tell more.
-  constexpr double kLeastRatio = 0.3;
-  const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));
-  report.converged = keyframe_count_ >= p.min_keyframes && report.match_ratio >= kLeastRatio &&
-                     report.margin >= p.min_margin * shortfall * shortfall &&
-                     report.evidence >= p.min_evidence;
+  double min_margin = p.min_margin;
+  bool explained = true;
+  if (map_.usesImages()) {
+    // Where much of the model is not seen in the images, the rest must tell more.
+    constexpr double kLeastRatio = 0.3;
+    const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));
+    min_margin *= shortfall * shortfall;
+    explained = report.match_ratio >= kLeastRatio;
+    if (map_.params().likelihood.model == LikelihoodModel::kRobust)
+      explained = explained && report.evidence >= p.min_evidence;
+  }
+  if (with_depth > 0)
+    explained = explained && report.depth_agreement >= map_.params().tracking.min_depth_agreement;
+  report.converged = keyframe_count_ >= p.min_keyframes && explained && report.margin >= min_margin;
   return report;
 }
 

@@ -25,9 +25,10 @@ struct SearchReport {
   double margin = 0;       ///< nats, by which the best explains the keyframes better than the next
   double evidence = 0;     ///< of the best, mean over the keyframes
   double match_ratio = 0;  ///< likewise
-  int keyframes = 0;       ///< so far
-  int hypotheses = 0;      ///< kept
-  double total_ms = 0;     ///< of this image
+  double depth_agreement = 0;  ///< likewise, of the keyframes with depth
+  int keyframes = 0;           ///< so far
+  int hypotheses = 0;          ///< kept
+  double total_ms = 0;         ///< of this image
 };
 
 /// Hypotheses are poses; each is followed through the keyframes by odometry and refinement, and
@@ -40,7 +41,8 @@ class GlobalLocalizer {
 
   /// Forgets all and begins anew, in the whole model.
   void begin();
-  /// The same; also looks around a guess (T_map_base, at the next image), or there only.
+  /// The same; also looks around a guess (T_map_base, at the next image), or there only. Its roll
+  /// and pitch are taken to hold for the first keyframes if no better are known.
   void begin(const PoseGaussian& guess, bool only_there);
 
   /// Motion of the base since the last call of this, over dt seconds; nothing: unknown.
@@ -80,6 +82,7 @@ class GlobalLocalizer {
   std::optional<PoseGaussian> guess_;
   bool only_guess_ = false;
   std::optional<UpReading> up_;
+  bool tilt_is_assumed_ = false;
   Pose motion_ = Pose::Identity();  // since the newest keyframe
   Twist variance_ = Twist::Zero();
   double elapsed_ = 0;        // s, likewise

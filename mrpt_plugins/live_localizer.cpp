@@ -39,6 +39,7 @@ void LiveLocalizer::begin() {
   trusted_at_.reset();
   searching_ = false;
   confirmed_since_.reset();
+  doubts_ = 0;
   needs_proof_ = isSpreadWide();
   if (needs_proof_) beginSearch(true);
 }
@@ -57,8 +58,8 @@ void LiveLocalizer::setPose(const PoseGaussian& pose) {
 }
 
 void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
+  global_.reset();  // refers to the map
   map_ = std::move(map);
-  global_.reset();
   if (searching_) beginSearch(false);
 }
 
@@ -71,6 +72,7 @@ void LiveLocalizer::beginSearch(bool only_around) {
   else
     global_->begin();
   searching_ = true;
+  only_around_ = only_around;
 }
 
 void LiveLocalizer::searchEverywhere() {
@@ -95,8 +97,8 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->relocalized = true;
 }
 
-bool LiveLocalizer::isProven(double time, bool confirmed) {
-  constexpr double kLongEnough = 1;  // s
+bool LiveLocalizer::isProven(double time, bool confirmed, double match_ratio) {
+  constexpr double kLongEnough = 1;  // s, where nearly all of the model in view is seen
   constexpr int kEnough = 5;         // images
   if (!confirmed) {
     confirmed_since_.reset();
@@ -105,9 +107,20 @@ bool LiveLocalizer::isProven(double time, bool confirmed) {
   if (!confirmed_since_) {
     confirmed_since_ = time;
     confirmed_images_ = 0;
+    confirmed_ratios_ = 0;
   }
   ++confirmed_images_;
-  if (time - *confirmed_since_ >= kLongEnough && confirmed_images_ >= kEnough) needs_proof_ = false;
+  confirmed_ratios_ += match_ratio;
+  if (!needs_proof_) return true;
+  // At a place that looks alike less of the model is seen. Where that is so at the right place too,
+  // it takes longer; as in the search.
+  double enough = kLongEnough;
+  if (map_->usesImages()) {
+    const double mean = confirmed_ratios_ / confirmed_images_;
+    const double shortfall = map_->params().search.min_match_ratio / std::max(mean, 0.01);
+    enough *= std::pow(std::max(1.0, shortfall), 2);
+  }
+  needs_proof_ = time - *confirmed_since_ < enough || confirmed_images_ < kEnough;
   return !needs_proof_;
 }
 
@@ -308,7 +321,11 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     }
     if (result->updated) odometry_of_update_ = input.odometry;
     const bool confirmed = isConfirmed(*result);
-    trusted = isProven(input.time, confirmed);
+    // After several images that spoke against the pose a single one that fits is chance.
+    constexpr int kDoubts = 3;
+    doubts_ = confirmed ? 0 : doubts_ + (result->updated ? 1 : 0);
+    needs_proof_ = needs_proof_ || doubts_ >= kDoubts;
+    trusted = isProven(input.time, confirmed, result->match_ratio);
     if (result->updated && !confirmed && problem.empty())
       problem = "the image does not confirm the pose";
     judge(input.time, trusted, result->updated);
@@ -317,7 +334,8 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
       // In the dark nothing speaks against the pose; the first image that fits will do, unless the
       // particles have spread too far meanwhile.
       needs_proof_ = needs_proof_ || (result->updated && !confirmed) || isSpreadWide();
-      if (needs_proof_ && !searching_ && map_->params().search.recover) beginSearch(false);
+      if (needs_proof_ && (!searching_ || only_around_) && map_->params().search.recover)
+        beginSearch(false);
     }
   }
   if (searching_ && !views.empty()) {

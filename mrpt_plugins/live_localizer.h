@@ -94,7 +94,7 @@ class LiveLocalizer {
                                   std::string* problem) const;
   std::string useImages(std::vector<CameraView> views, LiveResult* result);
   void beginSearch(bool only_around);
-  bool isProven(double time, bool confirmed);
+  bool isProven(double time, bool confirmed, double match_ratio);
   bool isSpreadWide() const;
   void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
@@ -115,10 +115,13 @@ class LiveLocalizer {
   std::optional<double> trusted_at_;         // last time, or when it began
   std::unique_ptr<GlobalLocalizer> global_;  // made when first needed
   bool searching_ = false;
+  bool only_around_ = false;  // the search looks around the given pose only
   // Begun far from where it is, perhaps, or lost since: one image that fits proves nothing.
   bool needs_proof_ = false;
   std::optional<double> confirmed_since_;  // without a gap
+  int doubts_ = 0;                         // images in a row that did not confirm the pose
   int confirmed_images_ = 0;               // since then
+  double confirmed_ratios_ = 0;            // sum of their match ratios
 };
 
 }  // namespace edge_mcl

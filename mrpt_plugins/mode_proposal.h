@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/core/random_source.h"
 
 namespace edge_mcl {
 

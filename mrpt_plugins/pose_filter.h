@@ -8,9 +8,9 @@
 
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/random_source.h"
 #include "edge_mcl/core/se3.h"
 #include "edge_mcl/mrpt_plugins/mode_proposal.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
 #include "edge_mcl/mrpt_plugins/tilt_correction.h"
 
 namespace edge_mcl {

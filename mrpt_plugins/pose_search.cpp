@@ -26,11 +26,15 @@ Eigen::Matrix3d uprightRotation(double heading, const Pose& T_base_camera, Rando
   return camera * T_base_camera.linear().transpose();
 }
 
-/// Level as read, turned to a heading.
-Eigen::Matrix3d levelRotation(const UpReading& up, double heading) {
+/// Level as read, give or take what the reading may be off, turned to a heading.
+Eigen::Matrix3d levelRotation(const UpReading& up, double heading, double certain,
+                              RandomSource* random) {
   const Eigen::Matrix3d level =
       Eigen::Quaterniond::FromTwoVectors(up.up_base, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  return Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) * level;
+  Eigen::Matrix3d tilt = Eigen::Matrix3d::Identity();
+  if (up.sigma > certain)
+    tilt = expSo3(up.sigma * Eigen::Vector3d(random->normal(), random->normal(), 0));
+  return Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) * tilt * level;
 }
 
 /// The base pose that puts a camera at a position.
@@ -153,12 +157,19 @@ std::vector<Pose> PoseSearch::finish(const std::vector<CameraView>& views, const
 std::vector<Pose> PoseSearch::everywhere(const std::vector<CameraView>& views,
                                          const std::optional<UpReading>& up, RandomSource* random) {
   const SearchParameters& p = map_.params().search;
-  const auto per_place = static_cast<size_t>(up ? p.headings : p.orientations);
+  if (!places_) places_ = map_.searchPlaces();
+  // Many orientations at very many places would take minutes.
+  constexpr size_t kMostPoses = 400000;
+  const auto headings = static_cast<size_t>(p.headings);
+  const size_t per_place =
+      up ? headings
+         : std::min(static_cast<size_t>(p.orientations),
+                    std::max(headings, kMostPoses / std::max<size_t>(1, places_->places.size())));
   return everywhere(views, up, per_place, random, [&](size_t i, double phase, RandomSource* own) {
     // One particle in each part of space and heading, anywhere in it.
     const double heading =
         2 * M_PI * (static_cast<double>(i) + phase) / static_cast<double>(per_place);
-    return up ? levelRotation(*up, heading)
+    return up ? levelRotation(*up, heading, p.tilt_sigma_deg * kDegree, own)
               : uprightRotation(heading, views.front().T_base_camera, own);
   });
 }

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/core/random_source.h"
 #include "edge_mcl/core/small_image.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
 #include "edge_mcl/mrpt_plugins/tilt_correction.h"
 
 namespace edge_mcl {

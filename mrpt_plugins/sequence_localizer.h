@@ -26,7 +26,6 @@ class SequenceLocalizer {
   const LiveLocalizer& localizer() const { return localizer_; }
 
  private:
-  LiveInput read(const SequenceFrame& frame, std::string* problem);
   const LocalizationMap& map_;
   const Sequence& sequence_;
   bool use_masks_;

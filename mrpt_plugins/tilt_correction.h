@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "edge_mcl/core/random_source.h"
 #include "edge_mcl/core/se3.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
 
 namespace edge_mcl {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "edge_mcl/core/error.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/core/random_source.h"
 
 namespace edge_mcl {
 

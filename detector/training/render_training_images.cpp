@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/picture_file.h"
 #include "edge_mcl/detector/training/training_view.h"
 
 namespace {
@@ -18,14 +19,6 @@ namespace fs = std::filesystem;
 using namespace edge_mcl;
 
 constexpr int kViewsPerRoom = 4;
-
-/// Written beside its place first, so that a file with its name is always whole.
-void writeImage(const fs::path& file, const cv::Mat& image, const std::vector<int>& options) {
-  const fs::path part = file.parent_path() / ("part_" + file.filename().string());
-  if (!cv::imwrite(part.string(), image, options))
-    throw Error(part.string() + ": cannot be written");
-  fs::rename(part, file);
-}
 
 }  // namespace
 
@@ -64,8 +57,8 @@ int main(int argc, char** argv) {
         const TrainingView view(room, objects.device());
         for (size_t i = 0; i < kViewsPerRoom; ++i) {
           const TrainingImage image = view.take(random, width, height);
-          writeImage(fileOf(i, ".jpg"), image.color, {cv::IMWRITE_JPEG_QUALITY, 94});
-          writeImage(fileOf(i, ".png"), image.label, {});
+          writePicture(fileOf(i, ".jpg"), image.color, {cv::IMWRITE_JPEG_QUALITY, 94});
+          writePicture(fileOf(i, ".png"), image.label, {});
         }
       }
       const size_t now = done += kViewsPerRoom;

@@ -6,7 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "edge_mcl/core/error.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/core/random_source.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

@@ -2,24 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "edge_mcl/core/error.h"
+#include "support/scenes.h"
 
 namespace edge_mcl {
 namespace {
 
-/// Adds the twelve triangles of a box.
-void addBox(MeshSoup* soup, const Eigen::Vector3f& low, const Eigen::Vector3f& high) {
-  const auto first = static_cast<uint32_t>(soup->vertices.size());
-  for (int i = 0; i < 8; ++i)
-    soup->vertices.emplace_back(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(),
-                                i & 4 ? high.z() : low.z());
-  const uint32_t faces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                                {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
-  for (const auto& f : faces) {
-    soup->triangles.push_back({first + f[0], first + f[1], first + f[2]});
-    soup->triangles.push_back({first + f[0], first + f[2], first + f[3]});
-  }
-}
+using test::addBox;
 
 MeshModel weld(MeshSoup soup) {
   soup.triangle_material.assign(soup.triangles.size(), 0);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "edge_mcl/core/localization_map.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/core/random_source.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

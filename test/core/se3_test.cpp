@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "edge_mcl/core/error.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/core/random_source.h"
 
 namespace edge_mcl {
 namespace {

@@ -5,7 +5,7 @@
 #include <set>
 #include <thread>
 
-#include "edge_mcl/mrpt_plugins/random_source.h"
+#include "edge_mcl/core/random_source.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

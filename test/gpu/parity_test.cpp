@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/core/random_source.h"
 #include "edge_mcl/gpu/conversion.h"
 #include "edge_mcl/gpu/host_emulation.h"
 #include "edge_mcl/gpu/workload_export.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
 #include "support/scenes.h"
 
 #ifdef EDGE_MCL_HAS_CUDA

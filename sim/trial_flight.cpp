@@ -1,4 +1,4 @@
-#include "trial_flight.h"
+#include "edge_mcl/sim/trial_flight.h"
 
 #include <cmath>
 
@@ -12,7 +12,7 @@ TrialKind trialKind(const std::string& name) {
   if (name == "kidnap") return TrialKind::kKidnap;
   if (name == "blackout") return TrialKind::kBlackout;
   if (name == "track") return TrialKind::kTrack;
-  throw InputError("--kind " + name + ": global, offset, kidnap, blackout or track expected");
+  throw ParameterError("--kind " + name + ": global, offset, kidnap, blackout or track expected");
 }
 
 namespace {

@@ -1,11 +1,11 @@
-// A random flight through a building in which something goes wrong, moment by moment.
+/// A random flight through a building in which something goes wrong, moment by moment.
 #pragma once
 
 #include <memory>
 #include <string>
 
+#include "edge_mcl/core/random_source.h"
 #include "edge_mcl/core/recording.h"
-#include "edge_mcl/mrpt_plugins/random_source.h"
 #include "edge_mcl/sim/simulator.h"
 
 namespace edge_mcl {
@@ -18,7 +18,7 @@ enum class TrialKind {
   kTrack      ///< nothing goes wrong
 };
 
-/// @throws InputError on an unknown name.
+/// @throws ParameterError on an unknown name.
 TrialKind trialKind(const std::string& name);
 
 class TrialFlight {

@@ -1,0 +1,30 @@
+/// An MRPT rawlog as input of the localizer.
+#pragma once
+
+#include <memory>
+
+#include "edge_mcl/mrpt_plugins/recorded_input.h"
+
+namespace edge_mcl {
+
+/// Reads actions and sensory frames, or single observations, in the order of the file: images (with
+/// their masks), range images, odometry (2D or 3D, of actions or observations) and, as ground
+/// truth, CObservationRobotPose.
+class RawlogInput : public RecordedInput {
+ public:
+  /// Reads the file once for its truth and the number of images. @throws InputError when it is no
+  /// rawlog or has no images.
+  RawlogInput(const std::string& file, bool masks, bool depths);
+  ~RawlogInput() override;
+  size_t imageCount() const override;
+  /// A rawlog does not say.
+  const std::optional<PoseGaussian>& initialPose() const override;
+  const Trajectory& truth() const override;
+  bool next(LiveInput* input, std::string* problem) override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace edge_mcl
