@@ -28,7 +28,7 @@ enum ExitCode : int {
   kExitOk = 0,
   kExitUsage = 2,       ///< wrong options or parameters
   kExitInput = 3,       ///< a file is missing or broken: nothing or only a part was done
-  kExitIncomplete = 4,  ///< ran to the end, but some images could not be used
+  kExitIncomplete = 4,  ///< ran to the end, but some images could not be used, or no pose was found
   kExitInternal = 5
 };
 
@@ -43,6 +43,7 @@ void addRawlog(CLI::App* app, Action* action);
 void addDetect(CLI::App* app, Action* action);
 void addSimulate(CLI::App* app, Action* action);
 void addTrials(CLI::App* app, Action* action);
+void addView(CLI::App* app, Action* action);
 void addBench(CLI::App* app, Action* action);
 void addParameters(CLI::App* app, Action* action);
 

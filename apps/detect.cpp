@@ -8,6 +8,7 @@
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/picture_file.h"
 #include "edge_mcl/core/sequence.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/detector/default_model.h"
@@ -72,10 +73,6 @@ cv::Mat readAnyImage(const std::string& file) {
   cv::Mat image = cv::imread(file, cv::IMREAD_COLOR);
   if (image.empty()) throw InputError(file + ": missing or not a readable image");
   return image;
-}
-
-void writePicture(const std::string& file, const cv::Mat& image) {
-  if (!cv::imwrite(file, image)) throw InputError(file + ": cannot be written");
 }
 
 int run(const DetectOptions& o) {

@@ -2,11 +2,11 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/overlay.h"
+#include "edge_mcl/core/picture_file.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
 
 namespace edge_mcl {
@@ -34,8 +34,7 @@ int run(const EvaluateOptions& o) {
   if (reference.empty()) throw InputError(o.reference + ": no poses in it");
   const TrajectoryErrors e =
       evaluateTrajectory(estimate, reference, o.max_dt, o.position_limit, o.rotation_limit);
-  if (!o.plot.empty() && !cv::imwrite(o.plot, drawTrajectories(estimate, reference)))
-    throw InputError(o.plot + ": cannot be written");
+  if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, reference));
   if (o.json) {
     std::printf("%s\n", nlohmann::json({{"reference_poses", e.reference_poses},
                                         {"matched", e.matched},

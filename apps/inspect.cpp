@@ -2,11 +2,11 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/overlay.h"
+#include "edge_mcl/core/picture_file.h"
 
 namespace edge_mcl {
 
@@ -41,8 +41,7 @@ int run(const InspectOptions& o) {
   const LocalizationMap map(o.model, params);
   const MeshModel& mesh = map.mesh();
   const EdgeModel& edges = map.edges();
-  if (!o.picture.empty() && !cv::imwrite(o.picture, drawWireframe(map, 1000, 800)))
-    throw InputError(o.picture + ": cannot be written");
+  if (!o.picture.empty()) writePicture(o.picture, drawWireframe(map, 1000, 800));
   const Eigen::Vector3f size = mesh.highest - mesh.lowest;
   if (o.json) {
     nlohmann::json j = {{"model", o.model},

@@ -8,44 +8,19 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/overlay.h"
+#include "edge_mcl/core/picture_file.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/sequence_localizer.h"
-#include "localize_bag.h"
+#include "localize_recorded.h"
 #include "output_files.h"
 #include "progress_bar.h"
 
 namespace edge_mcl {
-
-Parameters parametersOf(const LocalizeOptions& options) {
-  Parameters params = options.parameters.load();
-  if (options.depth && params.likelihood.cues == Cues::kEdges) params.likelihood.cues = Cues::kBoth;
-  return params;
-}
-
-std::pair<double, double> parseInitialStd(const std::string& text) {
-  double metres = NAN, degrees = NAN;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf%c", &metres, &degrees, &rest) != 2 || !(metres >= 0) ||
-      !(degrees >= 0) || !std::isfinite(metres + degrees))
-    throw ParameterError("--initial-std " + text + ": two numbers expected, metres,degrees");
-  return {metres, degrees * M_PI / 180};
-}
-
-std::optional<Eigen::Vector3d> parseUp(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  Eigen::Vector3d up;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &up.x(), &up.y(), &up.z(), &rest) != 3 ||
-      !up.allFinite() || up.norm() < 1e-3)
-    throw ParameterError("--up " + text + ": a direction x,y,z expected");
-  return up.normalized();
-}
 
 namespace {
 
@@ -98,26 +73,19 @@ Trajectory truthOf(const Sequence& sequence) {
   return truth;
 }
 
-bool isBag(const std::string& name) {
-  return name.size() > 4 && name.compare(name.size() - 4, 4, ".bag") == 0;
-}
-
 int run(const LocalizeOptions& o) {
-  if (isBag(o.sequence)) {
-    if (!o.masks.empty()) throw ParameterError("--masks belongs to a directory; a bag has a topic");
-    return localizeBag(o);
-  }
+  if (kindOf(o.recording) != RecordingKind::kDirectory) return localizeRecorded(o);
   if (!o.topics.empty() || !o.initial_pose.empty())
-    throw ParameterError("--topics and --initial-pose belong to a bag");
+    throw ParameterError("--topics and --initial-pose belong to a bag or rawlog");
   const Parameters params = parametersOf(o);
-  Sequence sequence = readSequence(o.sequence);
+  Sequence sequence = readSequence(o.recording);
   if (!o.masks.empty()) useMasks(o.masks, &sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty())
-    throw InputError(o.sequence + ": no model.obj in it; name the model with --model");
+    throw InputError(o.recording + ": no model.obj in it; name the model with --model");
   if (params.likelihood.cues != Cues::kEdges && sequence.depths.empty())
-    throw InputError(o.sequence + ": depth asked for, but there is no depth.txt in it");
+    throw InputError(o.recording + ": depth asked for, but there is no depth.txt in it");
   LocalizationMap map(model, params);
   chooseBackend(&map);
   for (const std::string& w : map.mesh().report.warnings)
@@ -159,15 +127,13 @@ int run(const LocalizeOptions& o) {
     per_image.push_back(std::move(entry));
     if (!o.overlay.empty() && !r.images.empty() && localizer.localizer().isInitialized()) {
       const std::string file = o.overlay + "/" + frame.time_text + ".png";
-      if (!cv::imwrite(file, drawOverlay(map, *r.images.front(), r.estimate.mean)))
-        throw InputError(file + ": cannot be written");
+      writePicture(file, drawOverlay(map, *r.images.front(), r.estimate.mean));
     }
     bar.advance();
   }
 
   const Trajectory truth = truthOf(sequence);
-  if (!o.plot.empty() && !cv::imwrite(o.plot, drawTrajectories(estimate, truth)))
-    throw InputError(o.plot + ": cannot be written");
+  if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, truth));
   const ErrorSummary timing = summarize(update_ms);
   nlohmann::json summary;
   summary["sequence"] = sequence.name;
@@ -205,45 +171,23 @@ int run(const LocalizeOptions& o) {
                   100 * summary["within_10cm_3deg"].get<double>());
     std::printf("trajectory: %s\n", o.out.c_str());
   }
-  return unusable > 0 ? kExitIncomplete : kExitOk;
+  if (estimate.empty()) sayThatNoPoseWasFound(sequence.name);
+  return unusable > 0 || estimate.empty() ? kExitIncomplete : kExitOk;
 }
 
 }  // namespace
 
 void addLocalize(CLI::App* app, Action* action) {
   auto o = std::make_shared<LocalizeOptions>();
-  CLI::App* c =
-      app->add_subcommand("localize", "track a recorded sequence or a ROS bag in its 3D model");
-  c->add_option("sequence", o->sequence,
-                "directory with rgb.txt, camera.yaml, sequence.yaml (see docs/sequences.md), or a "
-                "bag (see docs/ros.md)")
-      ->required();
-  c->add_option("--model", o->model, "model file, if not SEQUENCE/model.obj");
-  c->add_option("--initial-std", o->initial_std, "spread of the first particles as metres,degrees");
-  c->add_flag("--global", o->global,
-              "do not begin at the initial pose but look for the camera in the whole model")
-      ->excludes("--initial-std");
-  c->add_option("--up", o->up,
-                "the same, knowing which way is up in the first image: x,y,z in the axes of the "
-                "camera (of a bag: of the base), e.g. 0,-1,0 for a level camera");
-  c->add_option("--topics", o->topics,
-                "of a bag: image=/cam/image_raw,camera_info=...,mask=...,odom_frame=odom,...");
-  c->add_option("--initial-pose", o->initial_pose,
-                "of a bag without initialpose: x,y,z,roll,pitch,yaw of the base; metres, degrees");
-  c->add_flag("--depth", o->depth,
-              "use the depth images, too (likelihood.cues = both, unless it says depth)");
-  CLI::Option* no_mask =
-      c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
-  c->add_option("--masks", o->masks,
-                "directory with mask.txt (see `edge-mcl detect --out`) to use instead")
-      ->excludes(no_mask);
+  CLI::App* c = app->add_subcommand(
+      "localize", "track a recorded sequence, a ROS bag or a rawlog in its 3D model");
+  o->addTo(c);
   c->add_option("--out", o->out, "trajectory to write (TUM format)");
   c->add_option("--stats", o->stats, "JSON file with timings, ESS, covariance per image");
   c->add_option("--overlay", o->overlay,
                 "directory for pictures: model edges green, image edges blue, normals red");
   c->add_option("--plot", o->plot, "picture of the trajectory");
   c->add_flag("--json", o->json, "print the summary as JSON");
-  o->parameters.addTo(c);
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }
 

@@ -23,9 +23,10 @@ int main(int argc, char** argv) {
       "edges.\n\nTypical first steps:\n"
       "  edge-mcl inspect model.obj --picture model.png   is the model read as I expect?\n"
       "  edge-mcl localize SEQUENCE --out est.txt         camera images in, trajectory out\n"
+      "  edge-mcl view SEQUENCE                           watch it\n"
       "  edge-mcl evaluate est.txt groundtruth.txt        how good is it?\n\n"
       "Exit codes: 0 done; 2 wrong options or parameters; 3 a file is missing or broken; 4 done, "
-      "but some images could not be used; 5 internal error."};
+      "but some images could not be used or no pose was found; 5 internal error."};
   app.require_subcommand(1);
   app.set_version_flag("--version", EDGE_MCL_VERSION);
   int threads = 0;
@@ -42,6 +43,7 @@ int main(int argc, char** argv) {
   addDetect(&app, &action);
   addSimulate(&app, &action);
   addTrials(&app, &action);
+  addView(&app, &action);
   addBench(&app, &action);
   addParameters(&app, &action);
   try {

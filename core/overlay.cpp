@@ -41,15 +41,29 @@ void label(cv::Mat* picture, const std::string& text, cv::Point at, const cv::Sc
 
 }  // namespace
 
-cv::Mat drawOverlay(const LocalizationMap& map, const PreparedImage& image,
-                    const Pose& camera_pose) {
+cv::Mat drawOverlay(const LocalizationMap& map, const PreparedImage& image, const Pose& camera_pose,
+                    const OverlayParts& parts, double scale) {
+  const auto enlarged = [&](const cv::Mat& pixels, int interpolation) {
+    cv::Mat result;
+    if (scale == 1)
+      result = pixels;
+    else
+      cv::resize(pixels, result, {}, scale, scale, interpolation);
+    return result;
+  };
   cv::Mat picture;
-  cv::cvtColor(image.edges.grey, picture, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(enlarged(image.edges.grey, cv::INTER_LINEAR), picture, cv::COLOR_GRAY2BGR);
   picture = picture * 0.6 + cv::Scalar(50, 50, 50);
-  if (!image.edges.ignore.empty())
-    cv::add(picture, cv::Scalar(60, 0, 60), picture, image.edges.ignore);
-  picture.setTo(kBlue, image.edges.edges);
+  if (parts.mask && !image.edges.ignore.empty())
+    cv::add(picture, cv::Scalar(60, 0, 60), picture,
+            enlarged(image.edges.ignore, cv::INTER_NEAREST));
+  if (parts.image_edges) picture.setTo(kBlue, enlarged(image.edges.edges, cv::INTER_NEAREST));
+  if (!parts.model_edges && !parts.normals) return picture;
 
+  // The centre of the top-left pixel is (0, 0).
+  const auto at = [&](const Eigen::Vector2d& p) {
+    return toPixel((p + Eigen::Vector2d(0.5, 0.5)) * scale - Eigen::Vector2d(0.5, 0.5));
+  };
   const CameraModel& camera = image.frame.camera;
   const VisibleSet set = map.visibility().exact(camera_pose.translation());
   const Pose camera_from_map = camera_pose.inverse();
@@ -67,17 +81,16 @@ cv::Mat drawOverlay(const LocalizationMap& map, const PreparedImage& image,
       const Eigen::Vector3d t =
           camera_from_map.linear() * set.line(segment).tangent().cast<double>();
       if (!camera.project(p, &pixel, &jacobian) || !camera.contains(pixel)) continue;
-      if (camera.project(p - half_step * t, &from) && camera.project(p + half_step * t, &to) &&
-          camera.contains(from) && camera.contains(to))
-        cv::line(picture, toPixel(from), toPixel(to), kGreen, 1, cv::LINE_AA);
-      if (counter++ % 3 != 0) continue;
+      if (parts.model_edges && camera.project(p - half_step * t, &from) &&
+          camera.project(p + half_step * t, &to) && camera.contains(from) && camera.contains(to))
+        cv::line(picture, at(from), at(to), kGreen, 1, cv::LINE_AA);
+      if (counter++ % 3 != 0 || !parts.normals) continue;
       const Eigen::Vector2d direction = (jacobian * t).normalized();
       const Eigen::Vector2d normal(-direction.y(), direction.x());
       const NormalHit hit =
           searchAlongNormal(image.edges, pixel, normal, params.search_length, tolerance);
       if (hit.found && std::abs(hit.distance) >= 1)
-        cv::line(picture, toPixel(pixel), toPixel(pixel + hit.distance * normal), kRed, 1,
-                 cv::LINE_AA);
+        cv::line(picture, at(pixel), at(pixel + hit.distance * normal), kRed, 1, cv::LINE_AA);
     }
   return picture;
 }

@@ -9,10 +9,15 @@
 
 namespace edge_mcl {
 
+/// What of an overlay is drawn.
+struct OverlayParts {
+  bool model_edges = true, image_edges = true, normals = true, mask = true;
+};
+
 /// The image in the colours of the paper's figure 1: model edges green, image edges blue, the
-/// normals between them red. The mask is shaded.
-cv::Mat drawOverlay(const LocalizationMap& map, const PreparedImage& image,
-                    const Pose& camera_pose);
+/// normals between them red. The mask is shaded. @param scale of the picture against the image.
+cv::Mat drawOverlay(const LocalizationMap& map, const PreparedImage& image, const Pose& camera_pose,
+                    const OverlayParts& parts = {}, double scale = 1);
 
 /// Perspective wireframe of the model's edges, coloured by kind, with a legend.
 cv::Mat drawWireframe(const LocalizationMap& map, int width, int height);

@@ -6,8 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "edge_mcl/core/text_table.h"
-#include "edge_mcl/mrpt_plugins/live_localizer.h"
+#include "edge_mcl/mrpt_plugins/recorded_input.h"
 
 namespace edge_mcl {
 
@@ -25,21 +24,21 @@ struct BagTopics {
   std::string base_frame = "base_link";
 };
 
-class BagReader {
+class BagReader : public RecordedInput {
  public:
   /// Reads transforms, calibration, truth and the initial pose of all of the bag.
   /// @throws InputError when it is no bag, or has no image, calibration or mounting of the camera.
   BagReader(const std::string& file, BagTopics topics);
-  ~BagReader();
+  ~BagReader() override;
 
-  size_t imageCount() const;
+  size_t imageCount() const override;
   /// T_map_base as recorded; none where there is no such message.
-  const std::optional<PoseGaussian>& initialPose() const;
+  const std::optional<PoseGaussian>& initialPose() const override;
   /// T_map_base.
-  const Trajectory& truth() const;
+  const Trajectory& truth() const override;
   /// The next moment; masks are those of the image's stamp, depth the nearest within 25 ms. A
   /// moment that cannot be read has no views and says why. @return false at the end.
-  bool next(LiveInput* input, std::string* problem);
+  bool next(LiveInput* input, std::string* problem) override;
 
  private:
   struct Impl;

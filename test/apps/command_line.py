@@ -178,7 +178,7 @@ def other_commands(c, source):
     again = c.run('parameters', '--params', yaml)
     check(again.stdout == r.stdout, 'parameters can be read back')
     for command in ('detect', 'localize', 'inspect', 'evaluate', 'basin', 'rawlog', 'simulate', 'bench',
-                    'parameters', 'trials'):
+                    'parameters', 'trials', 'view'):
         r = c.run(command, '--help')
         check(r.returncode == OK and len(r.stdout) > 200, command + ' --help')
     check(c.run().returncode == USAGE, 'no subcommand')
@@ -186,10 +186,45 @@ def other_commands(c, source):
     check(c.run('localize', '/no/such/dir').returncode == INPUT, 'no such sequence')
 
 
+def viewer(c, source):
+    sequence = os.path.join(c.folder, 'good')
+    shot, film = os.path.join(c.folder, 'shot'), os.path.join(c.folder, 'film.mp4')
+    r = c.run('view', sequence, '--headless', '--pictures', shot, '--video', film, '--particles', '100')
+    check(r.returncode == OK and '5 moments' in r.stdout and os.path.exists(shot + '-1.png') and
+          os.path.getsize(film) > 1000, 'view --headless: %s' % r.stderr)
+    check(c.run('view', sequence, '--headless').returncode == USAGE, 'nothing to write')
+    check(c.run('view', sequence, '--video', film).returncode == USAGE, 'a video without --headless')
+    r = c.run('view', sequence, '--headless', '--pictures', shot, '--show', 'modelstyle=ghost')
+    check(r.returncode == USAGE and 'model_style' in r.stderr, 'an unknown way to show it')
+    r = c.run('view', sequence, '--headless', '--pictures', '/nonexistent/shot')
+    check(r.returncode == INPUT and r.stderr.count('\n') == 1, 'a picture that cannot be written: %s' % r.stderr)
+    check(c.run('view', '/no/such').returncode == INPUT, 'no such recording')
+    rawlog = os.path.join(c.folder, 'good.rawlog')
+    check(c.run('rawlog', sequence, rawlog).returncode == OK, 'rawlog')
+    model = os.path.join(sequence, 'model.obj')
+    r = c.run('localize', rawlog, '--model', model)
+    check(r.returncode == INPUT and '--initial-pose' in r.stderr, 'a rawlog does not say where it begins')
+    r = c.run('localize', os.path.join(sequence, 'rgb.txt') + '.rawlog', '--model', model)
+    check(r.returncode == INPUT and r.stderr.count('\n') == 1, 'no such rawlog')
+
+
+def parameter_document(c, source):
+    r = c.run('parameters', '--markdown')
+    with open(os.path.join(source, 'docs', 'parameters.md')) as f:
+        check(r.returncode == OK and f.read() == r.stdout,
+              'docs/parameters.md is what `edge-mcl parameters --markdown` prints')
+    with open(os.path.join(source, 'docs', 'viewer.md')) as f:
+        text = f.read()
+    names = [line.split('`')[1] for line in r.stdout.split('## Viewer')[1].split('## Detector')[0].splitlines()
+             if line.startswith('| `')]
+    check(len(names) > 10 and all('`%s`' % n in text for n in names), 'viewer.md explains all: %s' % [
+        n for n in names if '`%s`' % n not in text])
+
+
 def search(c, source):
     office = os.path.join(source, 'maps', 'office_flight.yaml')
     r = c.run('trials', office, '--kind', 'teleport')
-    check(r.returncode == INPUT and 'kidnap' in r.stderr, 'trials of an unknown kind')
+    check(r.returncode == USAGE and 'kidnap' in r.stderr, 'trials of an unknown kind')
     check(c.run('trials', '/no/such/file').returncode == INPUT, 'trials without a scenario')
     out = os.path.join(c.folder, 'trials.json')
     r = c.run('trials', office, '--kind', 'track', '--count', '1', '--images', '8', '--particles', '200',
@@ -209,6 +244,7 @@ def search(c, source):
         states = json.load(f)['summary']['states']
     with open(est) as f:
         poses = [line for line in f if not line.startswith('#')]
+    check(r.returncode == INCOMPLETE and 'no pose was found' in r.stderr, 'it says so: %d' % r.returncode)
     check(states == {'searching': 5} and not poses, 'no pose is made up: %s, %d' % (states, len(poses)))
 
 
@@ -283,6 +319,8 @@ def main():
         c = Cases(tool, folder)
         bad_input(c)
         other_commands(c, source)
+        viewer(c, source)
+        parameter_document(c, source)
         search(c, source)
         simulator(c, source)
         detector(c, source)

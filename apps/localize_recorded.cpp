@@ -1,0 +1,123 @@
+#include "localize_recorded.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/overlay.h"
+#include "edge_mcl/core/picture_file.h"
+#include "edge_mcl/core/trajectory_evaluation.h"
+#include "output_files.h"
+#include "progress_bar.h"
+
+namespace edge_mcl {
+
+namespace {
+
+nlohmann::json jsonOf(const LiveResult& r, const std::string& time) {
+  const Matrix6 c = covarianceInMapAxes(r.estimate);
+  return {{"time", time},
+          {"state", nameOf(r.state)},
+          {"problem", r.problem},
+          {"updated", r.updated},
+          {"ess", r.report.effective_sample_size},
+          {"match_ratio", r.match_ratio},
+          {"evidence_per_line", r.report.evidence_per_line},
+          {"visible_lines", r.report.visible_lines},
+          {"depth_points", r.report.depth_points},
+          {"depth_agreement", r.report.depth_agreement},
+          {"masked_share", r.masked_share},
+          {"update_ms",
+           r.image_times.edges + r.image_times.field + r.image_times.table + r.report.total_ms},
+          {"covariance", std::vector<double>(c.data(), c.data() + 36)}};
+}
+
+}  // namespace
+
+int localizeRecorded(const LocalizeOptions& o) {
+  OpenedRecording opened = openRecording(o, false);
+  RecordedInput& recording = *opened.input;
+  const std::shared_ptr<LocalizationMap>& map = opened.map;
+  LiveLocalizer localizer(map);
+  if (opened.start)
+    localizer.setPose(*opened.start);
+  else
+    localizer.searchEverywhere();
+  const std::optional<Eigen::Vector3d>& up = opened.up;
+  std::ofstream out(o.out);
+  if (!out) throw InputError(o.out + ": cannot be written");
+  out << "# T_map_base by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
+  if (!o.overlay.empty()) makeDirectory(o.overlay);
+  Trajectory estimate;
+  nlohmann::json images = nlohmann::json::array();
+  std::map<std::string, size_t> states;
+  std::vector<double> update_ms;
+  size_t unusable = 0;
+  ProgressBar bar("localize", recording.imageCount());
+  LiveInput input;
+  std::string problem;
+  while (recording.next(&input, &problem)) {
+    bar.advance();
+    if (up && images.empty()) {
+      input.up.emplace();
+      input.up->up_base = *up;
+    }
+    LiveResult r = localizer.process(input);
+    input.up.reset();
+    if (!problem.empty()) r.problem = problem;
+    if (!r.problem.empty()) bar.note("warning: " + r.problem);
+    if (!r.updated) ++unusable;
+    if (r.late) continue;
+    char time[32];
+    std::snprintf(time, sizeof time, "%.6f", input.time);
+    if (localizer.isInitialized()) {
+      out << formatPose(time, r.estimate.mean) << std::endl;
+      estimate.push_back({input.time, time, r.estimate.mean});
+    }
+    if (!out) throw InputError(o.out + ": cannot be written (disk full?)");
+    ++states[nameOf(r.state)];
+    images.push_back(jsonOf(r, time));
+    if (r.updated) update_ms.push_back(images.back()["update_ms"].get<double>());
+    if (!o.overlay.empty() && !r.images.empty() && localizer.isInitialized()) {
+      const std::string file = o.overlay + "/" + time + ".png";
+      writePicture(file, drawOverlay(*map, *r.images.front(),
+                                     r.estimate.mean * input.views.front().T_base_camera));
+    }
+  }
+  if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, recording.truth()));
+  nlohmann::json summary{{"recording", o.recording},
+                         {"model", o.model},
+                         {"backend", map->backend().name()},
+                         {"images", recording.imageCount()},
+                         {"unusable_images", unusable},
+                         {"states", states},
+                         {"update_ms_median", summarize(update_ms).median}};
+  TrajectoryErrors errors;
+  if (!recording.truth().empty() && !estimate.empty()) {
+    errors = evaluateTrajectory(estimate, recording.truth());
+    summary["position_error_median_m"] = errors.position_summary.median;
+    summary["rotation_error_median_deg"] = errors.rotation_summary.median;
+    summary["within_10cm_3deg"] = errors.success_share;
+  }
+  if (!o.stats.empty()) writeJson(o.stats, {{"summary", summary}, {"images", images}});
+  if (o.json) {
+    std::printf("%s\n", summary.dump(1).c_str());
+  } else {
+    std::printf("%s: %zu images, %zu not used, update median %.1f ms;", o.recording.c_str(),
+                recording.imageCount(), unusable, summarize(update_ms).median);
+    for (const auto& [state, count] : states) std::printf(" %s %zu", state.c_str(), count);
+    std::printf("\n");
+    if (!recording.truth().empty() && !estimate.empty())
+      std::printf("error: median %.2f cm, %.2f deg; within 10 cm and 3 deg: %.1f %%\n",
+                  100 * errors.position_summary.median, errors.rotation_summary.median,
+                  100 * errors.success_share);
+    std::printf("trajectory of the base: %s\n", o.out.c_str());
+  }
+  if (estimate.empty()) sayThatNoPoseWasFound(o.recording);
+  return unusable > 0 || estimate.empty() ? kExitIncomplete : kExitOk;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,33 @@
+/// The window's picture without a window.
+#pragma once
+
+#include <memory>
+
+#include "edge_mcl/viewer/panels.h"
+#include "edge_mcl/viewer/scene_view.h"
+#include "edge_mcl/viewer/view_layout.h"
+
+namespace edge_mcl {
+
+/// Renders with EGL, in software where there is no graphics card. To be used by the thread that
+/// made it.
+class HeadlessView {
+ public:
+  /// @param map may be null; else it must outlive this object. @throws Error when nothing can be
+  /// rendered here.
+  HeadlessView(const LocalizationMap* map, const ViewParameters& params);
+  ~HeadlessView();
+
+  /// @return CV_8UC3 of the parameters' size.
+  cv::Mat draw(const ViewMoment& moment, const HistoryView& history);
+  const SceneView& space() const { return space_; }
+
+ private:
+  struct Renderer;
+  const LocalizationMap* map_;
+  ViewParameters params_;
+  SceneView space_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+}  // namespace edge_mcl
