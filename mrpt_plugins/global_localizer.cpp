@@ -306,8 +306,14 @@ SearchReport GlobalLocalizer::judge() const {
     const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));
     min_margin *= shortfall * shortfall;
     explained = report.match_ratio >= kLeastRatio;
-    if (map_.params().likelihood.model == LikelihoodModel::kRobust)
+    const LikelihoodParameters& likelihood = map_.params().likelihood;
+    if (likelihood.model == LikelihoodModel::kRobust) {
       explained = explained && report.evidence >= p.min_evidence;
+    } else {
+      // An image scores k at most (eq. 3), the best wrong place most of that.
+      constexpr double kShareOfAll = 1.0 / 6;
+      min_margin = std::min(min_margin, kShareOfAll * likelihood.k * p.window);
+    }
   }
   if (with_depth > 0)
     explained = explained && report.depth_agreement >= map_.params().tracking.min_depth_agreement;
