@@ -42,6 +42,7 @@ void addBag(CLI::App* app, Action* action);
 void addRawlog(CLI::App* app, Action* action);
 void addDetect(CLI::App* app, Action* action);
 void addSimulate(CLI::App* app, Action* action);
+void addCompare(CLI::App* app, Action* action);
 void addTrials(CLI::App* app, Action* action);
 void addView(CLI::App* app, Action* action);
 void addBench(CLI::App* app, Action* action);

@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
   addDetect(&app, &action);
   addSimulate(&app, &action);
   addTrials(&app, &action);
+  addCompare(&app, &action);
   addView(&app, &action);
   addBench(&app, &action);
   addParameters(&app, &action);
