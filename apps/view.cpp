@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/viewer/heap_blocks.h"
 #include "edge_mcl/viewer/recorded_player.h"
 #include "edge_mcl/viewer/view_recorder.h"
 #include "edge_mcl/viewer/viewer_window.h"
@@ -58,6 +59,7 @@ int runHeadless(const ViewOptions& o, const ViewParameters& params, const Locali
 }
 
 int run(const ViewOptions& o) {
+  giveLargeBlocksBack();
   const ViewParameters params = parseShow(o);
   if (!o.headless && (!o.recorder.video.empty() || !o.recorder.pictures.empty()))
     throw ParameterError("--video and --pictures belong to --headless");

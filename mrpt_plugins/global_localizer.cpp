@@ -117,7 +117,7 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
         hypotheses_.empty() ? Pose::Identity() : normalized(hypotheses_.front().pose * motion_);
     return report_;
   }
-  keyframes_.push_back({views, motion_, variance_});
+  keyframes_.push_back({SearchViews(views), motion_, variance_});
   ++keyframe_count_;
   if (keyframes_.size() > static_cast<size_t>(map_.params().search.window)) {
     keyframes_.pop_front();
@@ -145,7 +145,7 @@ void GlobalLocalizer::follow() {
   tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
     const PoseGaussian prior = predicted(h.pose, now.motion, now.variance);
-    FoundPose found = search_.sharpen(now.views, prior.mean, prior);
+    FoundPose found = search_.sharpen(now.seen, prior.mean, prior);
     h.pose = found.pose;
     h.total += found.log_likelihood;
     h.history.push_back(found);
@@ -159,7 +159,7 @@ std::vector<CameraView> GlobalLocalizer::rig() const {
   std::vector<CameraView> views;
   Pose to_then = Pose::Identity();
   for (size_t k = keyframes_.size(); k-- > 0 && keyframes_.size() - k <= kMost;) {
-    for (CameraView view : keyframes_[k].views) {
+    for (CameraView view : keyframes_[k].seen.views) {
       view.T_base_camera = to_then * view.T_base_camera;
       views.push_back(std::move(view));
     }
@@ -214,7 +214,7 @@ GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) c
   for (size_t k = keyframes_.size() - 1; k > 0; --k) {
     const Keyframe& later = keyframes_[k];
     const PoseGaussian prior = predicted(pose, later.motion.inverse(), later.variance);
-    const FoundPose before = search_.sharpen(keyframes_[k - 1].views, prior.mean, prior);
+    const FoundPose before = search_.sharpen(keyframes_[k - 1].seen, prior.mean, prior);
     pose = before.pose;
     h.total += before.log_likelihood;
     h.history.push_front(before);
@@ -227,7 +227,7 @@ void GlobalLocalizer::look() {
   std::vector<FoundPose> found(starts.size());
   tbb::parallel_for(size_t{0}, starts.size(), [&](size_t i) {
     found[i] =
-        search_.sharpen(keyframes_.back().views, starts[i], search_.looseAround(starts[i], up_));
+        search_.sharpen(keyframes_.back().seen, starts[i], search_.looseAround(starts[i], up_));
   });
   std::stable_sort(found.begin(), found.end(), [](const FoundPose& a, const FoundPose& b) {
     return a.log_likelihood > b.log_likelihood;
@@ -317,6 +317,15 @@ SearchReport GlobalLocalizer::judge() const {
   }
   if (with_depth > 0)
     explained = explained && report.depth_agreement >= map_.params().tracking.min_depth_agreement;
+  if (getenv("TRACE")) {
+    double ex = 0;
+    for (const FoundPose& f : best.history) ex += f.explained / best.history.size();
+    fprintf(stderr,
+            "  judge kf %d hyp %zu margin %.0f need %.0f best %.0f next %.0f match %.2f evid %.2f "
+            "explained %d %.2f\n",
+            keyframe_count_, hypotheses_.size(), report.margin, min_margin, best.total, next,
+            report.match_ratio, report.evidence, explained, ex);
+  }
   report.converged = keyframe_count_ >= p.min_keyframes && explained && report.margin >= min_margin;
   return report;
 }

@@ -52,7 +52,7 @@ class GlobalLocalizer {
 
  private:
   struct Keyframe {
-    std::vector<CameraView> views;
+    SearchViews seen;
     Pose motion = Pose::Identity();  ///< from the keyframe before
     Twist variance = Twist::Zero();  ///< of it
   };

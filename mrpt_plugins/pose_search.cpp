@@ -258,8 +258,15 @@ std::vector<Pose> PoseSearch::around(const std::vector<CameraView>& views,
   return finish(views, small, std::move(starts), up);
 }
 
-FoundPose PoseSearch::sharpen(const std::vector<CameraView>& views, const Pose& start,
+SearchViews::SearchViews(std::vector<CameraView> all) : views(std::move(all)) {
+  for (const CameraView& view : views)
+    contours.push_back(view.image ? std::make_shared<const ImageContours>(view.image->edges)
+                                  : nullptr);
+}
+
+FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
                               const PoseGaussian& prior) const {
+  const std::vector<CameraView>& views = seen.views;
   const auto visibleFrom = [&](const Pose& base, const CameraView& view) {
     return std::make_shared<const VisibleSet>(
         map_.visibility().exact((base * view.T_base_camera).translation(), full_thinning_));
@@ -285,6 +292,7 @@ FoundPose PoseSearch::sharpen(const std::vector<CameraView>& views, const Pose& 
   if (result.used_samples > 0)
     found.match_ratio = static_cast<double>(result.matched_samples) / result.used_samples;
   double by_images = 0, lines = 0, points = 0, on_model = 0;
+  size_t contours = 0, explained = 0;
   for (size_t v = 0; v < views.size(); ++v) {
     const Pose camera = found.pose * views[v].T_base_camera;
     if (views[v].image) {
@@ -296,6 +304,9 @@ FoundPose PoseSearch::sharpen(const std::vector<CameraView>& views, const Pose& 
       const PoseScore s = evaluateWithVisibleSet(frame, *refined[v].visible, {camera}).front();
       by_images += s.log_likelihood;
       lines += static_cast<double>(s.line_count);
+      contours += seen.contours[v]->size();
+      explained += seen.contours[v]->explainedBy(*refined[v].visible, frame.camera, camera,
+                                                 frame.sample_step);
     }
     if (views[v].depth && map_.depth()) {
       const DepthScore s = map_.depth()->evaluate(*views[v].depth, {camera}).front();
@@ -309,6 +320,10 @@ FoundPose PoseSearch::sharpen(const std::vector<CameraView>& views, const Pose& 
       map_.params().likelihood.model == LikelihoodModel::kRobust
           ? combineLines(searchLikelihood(map_.params()), found.evidence * lines, lines)
           : by_images;
+  if (contours > 0)
+    found.explained = static_cast<double>(explained) / static_cast<double>(contours);
+  const double per_pixel = getenv("EXPL") ? atof(getenv("EXPL")) : 0.1;
+  found.log_likelihood += per_pixel * static_cast<double>(explained);
   if (points > 0) found.depth_agreement = on_model / points;
   return found;
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "edge_mcl/core/image_contours.h"
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/core/random_source.h"
 #include "edge_mcl/core/small_image.h"
@@ -22,7 +23,16 @@ struct FoundPose {
   double log_likelihood = 0;
   double evidence = 0;          ///< per line, see UpdateReport::evidence_per_line
   double match_ratio = 0;       ///< share of the visible samples with an image edge in reach
+  double explained = 0;         ///< share of the images' contours with a model edge there
   double depth_agreement = -1;  ///< share of the depth points on the model; negative: none used
+};
+
+/// What was seen at one moment, with what the search asks of it more than once.
+struct SearchViews {
+  SearchViews() = default;
+  explicit SearchViews(std::vector<CameraView> all);
+  std::vector<CameraView> views;
+  std::vector<std::shared_ptr<const ImageContours>> contours;  ///< of each; null without image
 };
 
 /// Closer than this in position and angle.
@@ -49,9 +59,9 @@ class PoseSearch {
   std::vector<Pose> around(const std::vector<CameraView>& views, const PoseGaussian& guess,
                            const std::optional<UpReading>& up, RandomSource* random);
 
-  /// Refines one pose in the full images.
-  FoundPose sharpen(const std::vector<CameraView>& views, const Pose& start,
-                    const PoseGaussian& prior) const;
+  /// Refines one pose in the full images. Its log-likelihood holds what the model's edges find in
+  /// the images and what of the images' contours the model explains.
+  FoundPose sharpen(const SearchViews& seen, const Pose& start, const PoseGaussian& prior) const;
 
   /// The prior for refining a pose that was found: wide, but for roll and pitch where known.
   PoseGaussian looseAround(const Pose& start, const std::optional<UpReading>& up) const;
