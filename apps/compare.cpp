@@ -162,8 +162,9 @@ std::string commandOf(const CompareOptions& o) {
 nlohmann::json benchOf(const CompareOptions& o, const std::string& directory) {
   const std::string file = o.out + "/bench.json";
   if (!fs::exists(file)) {
-    const int code =
-        runSelf({"--threads", "1", "bench", directory, "--table", "--json"}, file + ".part");
+    const int code = runSelf({"--threads", "1", "bench", directory, "--updates", "0", "--table",
+                              "100,500,1000,5000,50000", "--json"},
+                             file + ".part");
     if (code != kExitOk) throw InputError("edge-mcl bench " + directory + " failed");
     fs::rename(file + ".part", file);
   }

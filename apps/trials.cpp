@@ -8,8 +8,6 @@
 
 #include "common_options.h"
 #include "edge_mcl/core/error.h"
-#include "edge_mcl/core/overlay.h"
-#include "edge_mcl/core/picture_file.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/live_localizer.h"
@@ -111,16 +109,6 @@ Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
     const Twist error = logSe3(r.estimate.mean.inverse() * *frame.truth);
     const bool right =
         error.head<3>().norm() < kRightPosition && error.tail<3>().norm() < kRightAngle;
-    if (getenv("TRACE")) {
-      fprintf(stderr, "%d %s err %.2f m %.1f deg match %.2f search %.0f ms; clusters", i, nameOf(r.state), error.head<3>().norm(), error.tail<3>().norm() * 57.3, r.match_ratio, r.search_ms);
-      for (const auto& c : r.clusters) { const Twist e = logSe3(c.pose.inverse() * *frame.truth); fprintf(stderr, " [%.2f %.0f w%.2g]", e.head<3>().norm(), e.tail<3>().norm() * 57.3, c.weight); }
-      fprintf(stderr, "\n");
-      if (getenv("PICS") && !r.images.empty() && !r.clusters.empty() && i % 6 == 4) {
-        cv::Mat a = drawOverlay(*map, *r.images.front(), *frame.truth), b = drawOverlay(*map, *r.images.front(), r.clusters.front().pose), c;
-        cv::hconcat(a, b, c);
-        writePicture(std::string(getenv("PICS")) + std::to_string(i) + ".png", c);
-      }
-    }
     const bool tracking = r.state == LocalizerState::kTracking;
     outcome.tracking += tracking ? 1 : 0;
     outcome.silent += tracking && !right ? 1 : 0;

@@ -1,9 +1,8 @@
 #include "edge_mcl/comparison/compared_run.h"
 
-#include <sys/resource.h>
-
 #include <chrono>
 #include <cmath>
+#include <fstream>
 
 #include "edge_mcl/comparison/compared_methods.h"
 #include "edge_mcl/core/error.h"
@@ -17,10 +16,12 @@ constexpr double kSuccessPosition = 0.10, kSuccessAngle = 3;  // m, deg
 constexpr double kLostPosition = 0.25, kLostAngle = 5;
 constexpr double kDegree = M_PI / 180;
 
+/// getrusage() would tell of the process that started this one, where that was larger.
 double peakMegabytes() {
-  struct rusage usage {};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
+  std::ifstream in("/proc/self/status");
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind("VmHWM:", 0) == 0) return std::stod(line.substr(6)) / 1024;
+  return 0;
 }
 
 nlohmann::json toJson(const ErrorSummary& s) {

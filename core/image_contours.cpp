@@ -27,11 +27,17 @@ ImageContours::ImageContours(const EdgeImage& image) {
   rows_ = (image.height() + cell_ - 1) / cell_;
   cv::Mat labels, statistics, centroids;
   cv::connectedComponentsWithStats(image.edges, labels, statistics, centroids, 8, CV_32S);
-  const int fewest = std::max(4, image.width() / 40);
+  // Noise makes edges of some twenty pixels, whatever the image's size, and they curl up.
+  const int extent = std::max(32, image.width() / 20);
+  std::vector<bool> is_long(static_cast<size_t>(statistics.rows), false);
+  for (int k = 1; k < statistics.rows; ++k)
+    is_long[static_cast<size_t>(k)] =
+        std::max(statistics.at<int32_t>(k, cv::CC_STAT_WIDTH),
+                 statistics.at<int32_t>(k, cv::CC_STAT_HEIGHT)) >= extent;
   for (int y = 0; y < image.height(); ++y) {
     const auto* row = labels.ptr<int32_t>(y);
     for (int x = 0; x < image.width(); ++x) {
-      if (row[x] == 0 || statistics.at<int32_t>(row[x], cv::CC_STAT_AREA) < fewest) continue;
+      if (!is_long[static_cast<size_t>(row[x])]) continue;
       const Eigen::Vector2d normal = image.normalAt(x, y);
       if (normal.isZero()) continue;
       pixels_.push_back({static_cast<uint32_t>(y / cell_ * columns_ + x / cell_),

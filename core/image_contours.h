@@ -18,7 +18,8 @@ namespace edge_mcl {
 /// lie upon each other, and a pose that has nothing in view explains nothing.
 class ImageContours {
  public:
-  /// Connected edges of fewer pixels than a fortieth of the image's width are taken for noise.
+  /// Connected edges whose width and height are below 32 pixels or a twentieth of the image's width
+  /// are taken for noise.
   explicit ImageContours(const EdgeImage& image);
 
   /// Pixels, all of them.

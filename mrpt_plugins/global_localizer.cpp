@@ -317,15 +317,6 @@ SearchReport GlobalLocalizer::judge() const {
   }
   if (with_depth > 0)
     explained = explained && report.depth_agreement >= map_.params().tracking.min_depth_agreement;
-  if (getenv("TRACE")) {
-    double ex = 0;
-    for (const FoundPose& f : best.history) ex += f.explained / best.history.size();
-    fprintf(stderr,
-            "  judge kf %d hyp %zu margin %.0f need %.0f best %.0f next %.0f match %.2f evid %.2f "
-            "explained %d %.2f\n",
-            keyframe_count_, hypotheses_.size(), report.margin, min_margin, best.total, next,
-            report.match_ratio, report.evidence, explained, ex);
-  }
   report.converged = keyframe_count_ >= p.min_keyframes && explained && report.margin >= min_margin;
   return report;
 }

@@ -15,6 +15,10 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 
+// What an explained pixel of an image of this width is worth: a long contour about as much as the
+// line of the model that lies on it.
+constexpr double kNatsPerContourPixel = 0.2, kContourWidth = 640;
+
 /// Of a base whose camera is held upright, more or less: looking ahead, up or down, a little
 /// tilted.
 Eigen::Matrix3d uprightRotation(double heading, const Pose& T_base_camera, RandomSource* random) {
@@ -293,6 +297,7 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
     found.match_ratio = static_cast<double>(result.matched_samples) / result.used_samples;
   double by_images = 0, lines = 0, points = 0, on_model = 0;
   size_t contours = 0, explained = 0;
+  double widest = kContourWidth;
   for (size_t v = 0; v < views.size(); ++v) {
     const Pose camera = found.pose * views[v].T_base_camera;
     if (views[v].image) {
@@ -305,6 +310,7 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
       by_images += s.log_likelihood;
       lines += static_cast<double>(s.line_count);
       contours += seen.contours[v]->size();
+      widest = std::max(widest, static_cast<double>(frame.camera.width));
       explained += seen.contours[v]->explainedBy(*refined[v].visible, frame.camera, camera,
                                                  frame.sample_step);
     }
@@ -322,8 +328,8 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
           : by_images;
   if (contours > 0)
     found.explained = static_cast<double>(explained) / static_cast<double>(contours);
-  const double per_pixel = getenv("EXPL") ? atof(getenv("EXPL")) : 0.1;
-  found.log_likelihood += per_pixel * static_cast<double>(explained);
+  found.log_likelihood +=
+      kNatsPerContourPixel * kContourWidth / widest * static_cast<double>(explained);
   if (points > 0) found.depth_agreement = on_model / points;
   return found;
 }
