@@ -312,6 +312,37 @@ def detector(c, source):
             ' '.join(options), r.returncode, r.stderr))
 
 
+def comparison(c, source):
+    out = os.path.join(c.folder, 'comparison')
+    flight = os.path.join(source, 'test', 'data', 'small_flight.yaml')
+    call = ('compare', out, '--flight', flight, '--rate', '3', '--seeds', '1', '--particles', '60',
+            '--method', 'edges', '--method', 'mrpt_2d', '--method', 'dead_reckoning')
+    r = c.run(*call)
+    check(r.returncode == OK, 'compare: ' + r.stderr)
+    runs = sorted(os.listdir(os.path.join(out, 'runs')))
+    # Two filters with two numbers of particles and the number that fits into the time, one without.
+    check(5 <= len(runs) <= 7, 'every run is kept: %s' % runs)
+    with open(os.path.join(out, 'comparison.md')) as report:
+        text = report.read()
+    check('edge_mcl, edges' in text and "MRPT's 2D filter" in text and 'dead reckoning' in text,
+          'the document names what was compared')
+    check(len(os.listdir(os.path.join(out, 'images'))) == 2, 'two plots')
+    times = [os.stat(os.path.join(out, 'runs', name)).st_mtime_ns for name in runs]
+    check(c.run(*call).returncode == OK, 'compare again')
+    check(times == [os.stat(os.path.join(out, 'runs', name)).st_mtime_ns for name in runs],
+          'what has been run is not run again')
+    write(os.path.join(out, 'runs', runs[0]), '{"half": ')
+    r = c.run(*call)
+    check(r.returncode == INPUT and runs[0] in r.stderr, 'a broken result is named: ' + r.stderr)
+    for options, status, text in (((), USAGE, 'nothing to compare'),
+                                  (('--flight', '/no/such.yaml'), INPUT, '/no/such.yaml'),
+                                  (('--flight', flight, '--method', 'egdes'), USAGE, 'egdes'),
+                                  (('--flight', flight, '--particles', '3'), USAGE, '--particles')):
+        r = c.run('compare', os.path.join(c.folder, 'other'), *options)
+        check(r.returncode == status and text in r.stderr, 'compare %s: %d %s' % (
+            ' '.join(options), r.returncode, r.stderr))
+
+
 def main():
     tool, source = sys.argv[1:3]
     folder = tempfile.mkdtemp()
@@ -324,6 +355,7 @@ def main():
         search(c, source)
         simulator(c, source)
         detector(c, source)
+        comparison(c, source)
     finally:
         shutil.rmtree(folder)
     return 1 if failures else 0
