@@ -11,6 +11,7 @@
 #include <mrpt/opengl/CTexturedPlane.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
@@ -174,6 +175,10 @@ void SceneView::showCamera(const ViewMoment& m, const Pose& T_map_camera) {
   o.picture->setPose(toMrpt(plane));
   o.picture->setPlaneCorners(static_cast<float>(left), static_cast<float>(right),
                              static_cast<float>(-bottom), static_cast<float>(-top));
+  const double now =
+      std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  if (now - picture_at_ < picture_period_) return;
+  picture_at_ = now;
   o.picture->assignImage(mrpt::img::CImage(small, mrpt::img::DEEP_COPY));
   o.picture->setVisibility(true);
 }

@@ -22,6 +22,9 @@ class SceneView {
   /// Changes how the model is shown.
   void setParameters(const ViewParameters& params);
   void update(const ViewMoment& moment, const HistoryView& history);
+  /// The picture in the camera's frustum is changed at most once in so many seconds (else with
+  /// every moment): each takes a new texture, of which MRPT keeps a record for ever.
+  void limitPictures(double period) { picture_period_ = period; }
 
   const mrpt::opengl::COpenGLScene::Ptr& scene() const { return scene_; }
   /// From where one looks by the parameters.
@@ -50,6 +53,7 @@ class SceneView {
   Eigen::Vector3d focus_ = Eigen::Vector3d::Zero();
   double distance_ = 10;  // from it
   bool has_focus_ = false;
+  double picture_period_ = 0, picture_at_ = -1e9;  // s; steady clock
 };
 
 }  // namespace edge_mcl

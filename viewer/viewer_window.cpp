@@ -12,6 +12,7 @@
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/picture_file.h"
+#include "edge_mcl/viewer/blitted_picture.h"
 #include "edge_mcl/viewer/panels.h"
 #include "edge_mcl/viewer/pose_pick.h"
 #include "edge_mcl/viewer/scene_view.h"
@@ -38,7 +39,7 @@ constexpr double kVideoRate = 25;
 
 }  // namespace
 
-/// The 3D scene fills one viewport of MRPT's window, pictures the others.
+/// The 3D scene fills a part of MRPT's window, pictures the rest.
 class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
  public:
   Window(const LocalizationMap* map, const ViewParameters& params, ViewSource* source,
@@ -51,8 +52,7 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
         space_(map, params),
         controls_(this, source, &params_, &requests_) {
     performLayout();
-    for (const char* name : {"legend", "strips", "edges", "masks"})
-      space_.scene()->createViewport(name);
+    space_.limitPictures(0.2);
     {
       const std::lock_guard<std::mutex> lock(background_scene_mtx);
       background_scene = space_.scene();
@@ -75,6 +75,7 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
 
   void drawContents() override {
     CDisplayWindowGUI::drawContents();
+    for (BlittedPicture* panel : {&legend_, &strips_, &edges_, &masks_}) panel->draw(height());
     const double now = wallClock();
     if (report.frames++ == 0) first_drawn_ = now;
     report.seconds = now - first_drawn_;
@@ -145,12 +146,12 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
     const std::lock_guard<std::mutex> lock(background_scene_mtx);
     space_.update(moment_, history_);
     const ViewLayout layout = layoutOf(shown_size_, moment_.image.size());
-    place("main", layout.space, cv::Mat());
-    place("legend", layout.legend, drawLegend(moment_, layout.legend.size()));
-    place("strips", layout.strips,
-          drawStrips(moment_, history_, params_.strip_seconds, layout.strips.size()));
-    place("edges", layout.edges, drawEdgePanel(moment_, map_, params_, layout.edges.size()));
-    place("masks", layout.masks, drawMaskPanel(moment_, layout.masks.size()));
+    placeSpace(layout.space);
+    legend_.set(drawLegend(moment_, layout.legend.size()), layout.legend);
+    strips_.set(drawStrips(moment_, history_, params_.strip_seconds, layout.strips.size()),
+                layout.strips);
+    edges_.set(drawEdgePanel(moment_, map_, params_, layout.edges.size()), layout.edges);
+    masks_.set(drawMaskPanel(moment_, layout.masks.size()), layout.masks);
     const mrpt::opengl::CCamera wanted = space_.camera();
     // The user turns and zooms; what is looked at follows the robot.
     if (params_.follow || !has_looked_)
@@ -161,13 +162,11 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
     controls_.update();
   }
 
-  void place(const std::string& name, const cv::Rect& area, const cv::Mat& picture) {
-    const auto viewport = space_.scene()->getViewport(name);
+  void placeSpace(const cv::Rect& area) {
     const double w = shown_size_.width, h = shown_size_.height;
-    viewport->setViewportPosition(area.x / w, 1 - (area.y + area.height) / h, area.width / w,
-                                  area.height / h);
-    if (!picture.empty()) viewport->setImageView(mrpt::img::CImage(picture, mrpt::img::DEEP_COPY));
-    if (name == "main") space_area_ = area;
+    space_.scene()->getViewport()->setViewportPosition(area.x / w, 1 - (area.y + area.height) / h,
+                                                       area.width / w, area.height / h);
+    space_area_ = area;
   }
 
   bool pick(const nanogui::Vector2i& p, Eigen::Vector3d* point) const {
@@ -210,6 +209,7 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
   SceneView space_;
   WindowRequests requests_;
   WindowControls controls_;
+  BlittedPicture legend_, strips_, edges_, masks_;
   ViewMoment moment_;
   HistoryView history_;
   cv::Size shown_size_, video_size_;
