@@ -149,6 +149,7 @@ void GlobalLocalizer::follow() {
     h.pose = found.pose;
     h.total += found.log_likelihood;
     h.history.push_back(found);
+    ++h.followed;
   });
 }
 
@@ -256,10 +257,13 @@ void GlobalLocalizer::sortAndPrune() {
   for (Hypothesis& h : hypotheses_) {
     if (kept.size() >= static_cast<size_t>(p.hypotheses)) break;
     if (h.total < hypotheses_.front().total - 4 * p.min_margin - 200) break;
-    const bool fresh = std::none_of(kept.begin(), kept.end(), [&](const Hypothesis& k) {
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const Hypothesis& k) {
       return isNear(k.pose, h.pose, 0.08, 2 * kDegree);
     });
-    if (fresh) kept.push_back(std::move(h));
+    if (same == kept.end())
+      kept.push_back(std::move(h));
+    else
+      same->followed = std::max(same->followed, h.followed);
   }
   hypotheses_ = std::move(kept);
 }
@@ -317,7 +321,10 @@ SearchReport GlobalLocalizer::judge() const {
   }
   if (with_depth > 0)
     explained = explained && report.depth_agreement >= map_.params().tracking.min_depth_agreement;
-  report.converged = keyframe_count_ >= p.min_keyframes && explained && report.margin >= min_margin;
+  // What was found just now was chosen to fit; only images that come later can contradict it.
+  constexpr int kFollowed = 2;  // keyframes
+  report.converged = keyframe_count_ >= p.min_keyframes && best.followed >= kFollowed &&
+                     explained && report.margin >= min_margin;
   return report;
 }
 

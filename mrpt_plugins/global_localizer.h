@@ -60,6 +60,7 @@ class GlobalLocalizer {
     Pose pose = Pose::Identity();   ///< at the newest keyframe
     std::deque<FoundPose> history;  ///< of every keyframe, newest last
     double total = 0;               ///< nats
+    int followed = 0;               ///< keyframes since it was found
   };
 
   bool isNewView() const;
