@@ -155,6 +155,11 @@ std::string commandOf(const CompareOptions& o) {
   for (const std::string& s : o.sequences)
     text += " --sequence " + fs::path(s).lexically_normal().filename().string();
   text += " --seeds " + std::to_string(o.seeds) + " --particles " + std::to_string(o.particles);
+  if (!o.flights.empty()) {
+    char rate[32];
+    std::snprintf(rate, sizeof rate, " --rate %g", o.rate);
+    text += rate;
+  }
   if (o.bench) text += " --bench";
   return text + (o.report.empty() ? "" : " --report docs/comparison.md");
 }

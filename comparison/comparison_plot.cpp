@@ -105,7 +105,7 @@ class Chart {
  private:
   static std::string number(double v) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.3g", v);
+    std::snprintf(text, sizeof text, "%.4g", v);
     return text;
   }
   cv::Mat* picture_;

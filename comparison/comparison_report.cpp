@@ -83,7 +83,7 @@ std::string paperTable(const nlohmann::json& bench) {
       "thread,\n"
       "sequence " +
       bench.at("sequence").get<std::string>() +
-      ", likelihood only; no GPU was at hand:\n\n"
+      ", likelihood only, without a GPU:\n\n"
       "| particles | plain flow, ms | edge_mcl, one core, ms | ratio |\n|---|---|---|---|\n";
   for (const auto& line : bench.at("table"))
     text += format("| %d | %.1f | %.2f | %.0f |\n", line.at("particles").get<int>(),
@@ -157,7 +157,7 @@ std::string toMarkdown(const Comparison& c) {
       "* **MRPT's 3D filter on a point map**: the same on a `CSimplePointsMap` of the model's "
       "surfaces (5 cm\n"
       "  apart), with the 500 depth points that edge_mcl's depth cue takes.\n"
-      "* **MRPT's 2D filter on a grid**: `CMonteCarloLocalization2D` on a `COccupancyGridMap2D` (5 "
+      "* **MRPT's 2D filter on a grid**: `CMonteCarloLocalization2D` on a `COccupancyGridMap2D` (1 "
       "cm) cut from\n"
       "  the model at the height of the start, with a scan made from the depth image there.\n"
       "  (1) It estimates x, y and heading; height, roll and pitch are given to it from the "
