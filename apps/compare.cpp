@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <set>
 #include <thread>
 
 #include "common_options.h"
@@ -34,6 +35,31 @@ struct CompareOptions {
   double budget_ms = 30, rate = 10;
   bool bench = false;
 };
+
+/// What is kept in OUT must be of the flights that are asked for.
+void checkRate(const CompareOptions& o) {
+  const std::string file = o.out + "/rate.json";
+  if (!fs::exists(file)) {
+    writeJson(file, {{"rate", o.rate}});
+    return;
+  }
+  std::ifstream in(file);
+  const nlohmann::json kept = nlohmann::json::parse(in, nullptr, false);
+  if (!kept.is_object() || !kept.contains("rate") || kept["rate"] != o.rate)
+    throw ParameterError("--rate: the flights in " + o.out +
+                         " were made with another; take another directory");
+}
+
+/// Results are kept by the names of their sequences.
+void checkNames(const std::vector<std::pair<std::string, Sequence>>& sequences) {
+  std::set<std::string> names;
+  for (const auto& [directory, sequence] : sequences) {
+    if (sequence.name.empty() || sequence.name.find('/') != std::string::npos)
+      throw InputError(directory + ": its name, '" + sequence.name + "', cannot be that of a file");
+    if (!names.insert(sequence.name).second)
+      throw ParameterError("two sequences are called " + sequence.name);
+  }
+}
 
 /// The sequence of a flight: simulated where it is not there yet, as a whole.
 std::string simulated(const std::string& scenario_file, const CompareOptions& o) {
@@ -187,12 +213,14 @@ int run(const CompareOptions& o) {
   for (const std::string& m : o.methods) comparedMethod(m);
   if (o.particles < 20) throw ParameterError("--particles: 20 at least");
   makeDirectory(o.out);
+  if (!o.flights.empty()) checkRate(o);
   std::vector<std::string> directories;
   for (const std::string& f : o.flights) directories.push_back(simulated(f, o));
   directories.insert(directories.end(), o.sequences.begin(), o.sequences.end());
   if (directories.empty()) throw ParameterError("nothing to compare on: --flight, --sequence");
   std::vector<std::pair<std::string, Sequence>> sequences;
   for (const std::string& d : directories) sequences.emplace_back(d, readSequence(d));
+  checkNames(sequences);
   Plan plan(o, std::move(sequences));
   Comparison comparison = plan.run();
   comparison.machine = processor();
@@ -219,7 +247,9 @@ void addCompare(CLI::App* app, Action* action) {
   CLI::App* c = app->add_subcommand(
       "compare",
       "this localizer against MRPT's own filters, on the same recordings: a document with tables "
-      "and plots. What has been run is kept in OUT: the same command goes on where it was stopped");
+      "and plots. What has been run is kept in OUT: the same command goes on where it was stopped "
+      "(a "
+      "program or model that has changed needs a new OUT)");
   c->add_option("out", o->out, "directory for runs and simulated flights")->required();
   c->add_option("--flight", o->flights, "YAML file as for simulate; several are allowed")
       ->take_all();

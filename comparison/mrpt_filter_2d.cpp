@@ -1,16 +1,15 @@
 #include "edge_mcl/comparison/mrpt_filter_2d.h"
 
-#include <mrpt/bayes/CParticleFilter.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
-#include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMonteCarloLocalization2D.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "edge_mcl/comparison/mrpt_runner.h"
 #include "edge_mcl/comparison/surface_points.h"
 #include "edge_mcl/core/random_source.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
@@ -115,13 +114,7 @@ MrptFilter2D::MrptFilter2D(const MeshModel& mesh, double height, const FilterPar
   // Of all points of the image those of one height are left: more to begin with.
   depth_.points = 5000;
   filter_->options.metricMap = floorPlanOf(mesh, height, plan);
-  auto& options = filter_->runner.m_options;
-  options.PF_algorithm = mrpt::bayes::CParticleFilter::pfStandardProposal;
-  options.resamplingMethod = mrpt::bayes::CParticleFilter::prSystematic;
-  options.sampleSize = static_cast<unsigned>(params.particles);
-  options.adaptiveSampleSize = false;
-  options.powFactor = power;
-  mrpt::random::getRandomGenerator().randomize(static_cast<uint32_t>(params.seed));
+  filter_->runner.m_options = runnerOptions(params, power);
 }
 
 MrptFilter2D::~MrptFilter2D() = default;

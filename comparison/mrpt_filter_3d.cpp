@@ -1,16 +1,15 @@
 #include "edge_mcl/comparison/mrpt_filter_3d.h"
 
-#include <mrpt/bayes/CParticleFilter.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMonteCarloLocalization3D.h>
 
 #include <cmath>
 
+#include "edge_mcl/comparison/mrpt_runner.h"
 #include "edge_mcl/comparison/surface_points.h"
 #include "edge_mcl/core/image_edges.h"
 #include "edge_mcl/core/random_source.h"
@@ -38,13 +37,7 @@ MrptFilter3D::MrptFilter3D(mrpt::maps::CMetricMap::ConstPtr map, Observe observe
       motion_(params),
       filter_(std::make_unique<Filter>(static_cast<size_t>(params.particles))) {
   filter_->options.metricMap = std::move(map);
-  auto& options = filter_->runner.m_options;
-  options.PF_algorithm = mrpt::bayes::CParticleFilter::pfStandardProposal;
-  options.resamplingMethod = mrpt::bayes::CParticleFilter::prSystematic;
-  options.sampleSize = static_cast<unsigned>(params.particles);
-  options.adaptiveSampleSize = false;
-  options.powFactor = power;
-  mrpt::random::getRandomGenerator().randomize(static_cast<uint32_t>(params.seed));
+  filter_->runner.m_options = runnerOptions(params, power);
 }
 
 MrptFilter3D::~MrptFilter3D() = default;

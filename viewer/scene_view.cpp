@@ -164,23 +164,23 @@ void SceneView::showCamera(const ViewMoment& m, const Pose& T_map_camera) {
     o.frustum->appendLine(a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
   }
   if (m.image.empty()) return;
-  cv::Mat small;
-  constexpr int kWidth = 320;
-  cv::resize(m.image, small, {kWidth, std::max(1, kWidth * m.image.rows / m.image.cols)}, 0, 0,
-             cv::INTER_AREA);
-  if (small.channels() == 1) cv::cvtColor(small, small, cv::COLOR_GRAY2BGR);
   // The plane's own axes: x to the right, y up.
   Pose plane = T_map_camera * Eigen::Translation3d(0, 0, depth) *
                Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
   o.picture->setPose(toMrpt(plane));
   o.picture->setPlaneCorners(static_cast<float>(left), static_cast<float>(right),
                              static_cast<float>(-bottom), static_cast<float>(-top));
+  o.picture->setVisibility(true);
   const double now =
       std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
   if (now - picture_at_ < picture_period_) return;
   picture_at_ = now;
+  cv::Mat small;
+  constexpr int kWidth = 320;
+  cv::resize(m.image, small, {kWidth, std::max(1, kWidth * m.image.rows / m.image.cols)}, 0, 0,
+             cv::INTER_AREA);
+  if (small.channels() == 1) cv::cvtColor(small, small, cv::COLOR_GRAY2BGR);
   o.picture->assignImage(mrpt::img::CImage(small, mrpt::img::DEEP_COPY));
-  o.picture->setVisibility(true);
 }
 
 void SceneView::showPoses(const ViewMoment& m, const HistoryView& history) {

@@ -331,6 +331,14 @@ def comparison(c, source):
     check(c.run(*call).returncode == OK, 'compare again')
     check(times == [os.stat(os.path.join(out, 'runs', name)).st_mtime_ns for name in runs],
           'what has been run is not run again')
+    other_rate = [v if v != '3' else '4' for v in call]
+    r = c.run(*other_rate)
+    check(r.returncode == USAGE and '--rate' in r.stderr,
+          'flights of another rate are not taken for these: ' + r.stderr)
+    same = os.path.join(out, 'flights', 'small_flight')
+    r = c.run(*(call + ('--sequence', same)))
+    check(r.returncode == USAGE and 'small_flight' in r.stderr,
+          'two sequences of one name are not taken for one: ' + r.stderr)
     write(os.path.join(out, 'runs', runs[0]), '{"half": ')
     r = c.run(*call)
     check(r.returncode == INPUT and runs[0] in r.stderr, 'a broken result is named: ' + r.stderr)
