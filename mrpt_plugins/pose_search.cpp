@@ -296,7 +296,7 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
   if (result.used_samples > 0)
     found.match_ratio = static_cast<double>(result.matched_samples) / result.used_samples;
   double by_images = 0, lines = 0, points = 0, on_model = 0;
-  size_t contours = 0, explained = 0;
+  size_t explained = 0;
   double widest = kContourWidth;
   for (size_t v = 0; v < views.size(); ++v) {
     const Pose camera = found.pose * views[v].T_base_camera;
@@ -309,7 +309,6 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
       const PoseScore s = evaluateWithVisibleSet(frame, *refined[v].visible, {camera}).front();
       by_images += s.log_likelihood;
       lines += static_cast<double>(s.line_count);
-      contours += seen.contours[v]->size();
       widest = std::max(widest, static_cast<double>(frame.camera.width));
       explained += seen.contours[v]->explainedBy(*refined[v].visible, frame.camera, camera,
                                                  frame.sample_step);
@@ -326,8 +325,6 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
       map_.params().likelihood.model == LikelihoodModel::kRobust
           ? combineLines(searchLikelihood(map_.params()), found.evidence * lines, lines)
           : by_images;
-  if (contours > 0)
-    found.explained = static_cast<double>(explained) / static_cast<double>(contours);
   found.log_likelihood +=
       kNatsPerContourPixel * kContourWidth / widest * static_cast<double>(explained);
   if (points > 0) found.depth_agreement = on_model / points;

@@ -23,7 +23,6 @@ struct FoundPose {
   double log_likelihood = 0;
   double evidence = 0;          ///< per line, see UpdateReport::evidence_per_line
   double match_ratio = 0;       ///< share of the visible samples with an image edge in reach
-  double explained = 0;         ///< share of the images' contours with a model edge there
   double depth_agreement = -1;  ///< share of the depth points on the model; negative: none used
 };
 
