@@ -9,11 +9,16 @@ endif()
 target_compile_options(edge_mcl_build_flags INTERFACE -fno-semantic-interposition)
 # One result whatever the optimiser does: no contraction of a*b+c behind the reader's back.
 target_compile_options(edge_mcl_build_flags INTERFACE -ffp-contract=off)
-if(EDGE_MCL_SANITIZE)
+if(EDGE_MCL_SANITIZE STREQUAL "address")
   target_compile_options(edge_mcl_build_flags INTERFACE
     -fsanitize=address,undefined -fno-sanitize-recover=undefined -fsanitize-recover=alignment
     -fno-omit-frame-pointer -g)
   target_link_options(edge_mcl_build_flags INTERFACE -fsanitize=address,undefined)
+elseif(EDGE_MCL_SANITIZE STREQUAL "thread")
+  target_compile_options(edge_mcl_build_flags INTERFACE -fsanitize=thread -fno-omit-frame-pointer -g)
+  target_link_options(edge_mcl_build_flags INTERFACE -fsanitize=thread)
+elseif(EDGE_MCL_SANITIZE)
+  message(FATAL_ERROR "EDGE_MCL_SANITIZE is OFF, address or thread, not ${EDGE_MCL_SANITIZE}")
 endif()
 
 # Headers lie beside their sources and are included as <edge_mcl/ROOM/...>, in the tree as after
