@@ -28,7 +28,7 @@ struct TrialOptions {
   int count = 50, images = 0, event = 30;
   uint64_t first_seed = 1;
   double rate = 10, offset = 1, angle = 15, blackout = 10, drift = 1, imu_sigma_deg = 1;
-  bool no_gravity = false, no_mask = false, json = false;
+  bool no_gravity = false, no_mask = false, depth = false, json = false;
   ParameterOptions parameters;
 };
 
@@ -42,20 +42,27 @@ struct Outcome {
   int silent = 0;            ///< of these, at a wrong pose
   int announced_after = -1;  ///< images after the event until it no longer says tracking
   bool right_at_end = false;
+  int rank = 0;  ///< of the truth among what the search holds at the end, 1: best; 0: not there
   double search_ms = 0;
   std::vector<double> nees;  ///< of tracked images
 };
 
-LiveInput inputOf(const RecordedFrame& frame, const CameraModel& camera, const TrialOptions& o,
+LiveInput inputOf(const RecordedFrame& frame, const TrialFlight& flight, const TrialOptions& o,
                   RandomSource* random) {
   LiveInput input;
   input.time = frame.time;
   input.odometry = frame.odometry;
   LiveInput::View view;
-  view.camera = camera;
+  view.camera = flight.camera();
   view.image = frame.color;
   if (!o.no_mask) view.mask = frame.mask;
   view.origin = "image";
+  if (o.depth) {
+    LiveInput::Depth depth;
+    depth.image = {view.camera, frame.depth, flight.depthScale(), "depth", std::nullopt};
+    if (!view.mask.empty()) depth.image.mask = {view.mask, view.camera, Pose::Identity()};
+    input.depths.push_back(std::move(depth));
+  }
   input.views.push_back(std::move(view));
   if (!o.no_gravity) {
     const double sigma = o.imu_sigma_deg * kDegree;
@@ -67,6 +74,13 @@ LiveInput inputOf(const RecordedFrame& frame, const CameraModel& camera, const T
         expSo3(error) * (frame.truth->linear().transpose() * Eigen::Vector3d::UnitZ());
   }
   return input;
+}
+
+/// Place of the truth among hypotheses, best first, from 1; 0: not among them.
+int rankOf(const Pose& truth, const std::vector<PoseCluster>& clusters) {
+  for (size_t i = 0; i < clusters.size(); ++i)
+    if (isNear(clusters[i].pose, truth, kRightPosition, kRightAngle)) return static_cast<int>(i) + 1;
+  return 0;
 }
 
 PoseGaussian startOf(const Pose& truth, TrialKind kind, const TrialOptions& o,
@@ -104,7 +118,7 @@ Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
       else
         localizer.setPose(startOf(*frame.truth, kind, o, &random));
     }
-    const LiveResult r = localizer.process(inputOf(frame, flight.camera(), o, &random));
+    const LiveResult r = localizer.process(inputOf(frame, flight, o, &random));
     outcome.search_ms += r.search_ms;
     const Twist error = logSe3(r.estimate.mean.inverse() * *frame.truth);
     const bool right =
@@ -124,6 +138,7 @@ Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
       outcome.wrong = !right;
     }
     outcome.right_at_end = right && localizer.isInitialized();
+    outcome.rank = rankOf(*frame.truth, r.clusters);
   }
   return outcome;
 }
@@ -137,6 +152,7 @@ nlohmann::json jsonOf(const Outcome& o, double rate) {
           {"silent_failures", o.silent},
           {"announced_after_s", o.announced_after < 0 ? -1 : o.announced_after / rate},
           {"right_at_end", o.right_at_end},
+          {"rank_in_search_at_end", o.rank},
           {"search_ms", o.search_ms}};
 }
 
@@ -185,7 +201,8 @@ int run(TrialOptions o) {
     if (kind == TrialKind::kBlackout)
       o.images = o.event + static_cast<int>(std::lround((o.blackout + 5) * o.rate));
   }
-  const Parameters params = o.parameters.load();
+  Parameters params = o.parameters.load();
+  if (o.depth) params.likelihood.cues = Cues::kBoth;
   const auto map =
       std::make_shared<LocalizationMap>(Scenario::fromYamlFile(o.scenario).model_file, params);
   std::vector<Outcome> outcomes;
@@ -241,6 +258,8 @@ void addTrials(CLI::App* app, Action* action) {
   c->add_flag("--no-gravity", o->no_gravity, "roll and pitch are not known");
   c->add_option("--imu-sigma", o->imu_sigma_deg, "error of roll and pitch, deg");
   c->add_flag("--no-mask", o->no_mask, "movable objects are not masked");
+  c->add_flag("--depth", o->depth,
+              "a depth camera as well (exact, and not darkened by a blackout); cues: both");
   c->add_option("--out", o->out, "JSON file with every flight, written as they end");
   c->add_flag("--json", o->json, "print the summary as JSON");
   o->parameters.addTo(c);

@@ -19,12 +19,17 @@ int binOf(double dx, double dy) {
 
 uint8_t bit(int bin) { return static_cast<uint8_t>(1U << ((bin + kDirections) % kDirections)); }
 
+/// A direction and its neighbours.
+uint8_t around(int bin) { return bit(bin - 1) | bit(bin) | bit(bin + 1); }
+
 }  // namespace
 
 ImageContours::ImageContours(const EdgeImage& image) {
   cell_ = std::max(1, image.width() / 160);
   columns_ = (image.width() + cell_ - 1) / cell_;
   rows_ = (image.height() + cell_ - 1) / cell_;
+  stride_ = static_cast<size_t>(columns_) + 2;
+  paintEdges(image);
   cv::Mat labels, statistics, centroids;
   cv::connectedComponentsWithStats(image.edges, labels, statistics, centroids, 8, CV_32S);
   // Noise makes edges of some twenty pixels, whatever the image's size, and they curl up.
@@ -40,24 +45,47 @@ ImageContours::ImageContours(const EdgeImage& image) {
       if (!is_long[static_cast<size_t>(row[x])]) continue;
       const Eigen::Vector2d normal = image.normalAt(x, y);
       if (normal.isZero()) continue;
-      pixels_.push_back({static_cast<uint32_t>(y / cell_ * columns_ + x / cell_),
-                         bit(binOf(-normal.y(), normal.x()))});
+      pixels_.push_back({static_cast<uint32_t>(cellAt(x, y)), bit(binOf(-normal.y(), normal.x()))});
     }
   }
 }
 
-size_t ImageContours::explainedBy(const VisibleSet& visible, const CameraModel& camera,
-                                  const Pose& T_map_camera, double sample_step) const {
-  // A margin of one cell around the image, so that neighbours need no checks.
-  const int stride = columns_ + 2;
-  std::vector<uint8_t> painted(static_cast<size_t>(stride) * (rows_ + 2), 0);
-  const auto paint = [&](const Eigen::Vector2d& p, uint8_t directions) {
-    const int column = static_cast<int>(std::floor((p.x() + 0.5) / cell_)) + 1;
-    const int row = static_cast<int>(std::floor((p.y() + 0.5) / cell_)) + 1;
-    if (column < 1 || row < 1 || column > columns_ || row > rows_) return;
-    for (int r = row - 1; r <= row + 1; ++r)
-      for (int c = column - 1; c <= column + 1; ++c)
-        painted[static_cast<size_t>(r * stride + c)] |= directions;
+size_t ImageContours::cellAt(int x, int y) const {
+  return static_cast<size_t>(y / cell_ + 1) * stride_ + static_cast<size_t>(x / cell_ + 1);
+}
+
+void ImageContours::paintAround(size_t cell, uint8_t directions, Cells* cells) const {
+  for (size_t row = cell - stride_; row <= cell + stride_; row += stride_)
+    for (size_t c = row - 1; c <= row + 1; ++c) (*cells)[c] |= directions;
+}
+
+void ImageContours::paintEdges(const EdgeImage& image) {
+  constexpr uint8_t kAll = 255;
+  image_edges_.assign(stride_ * static_cast<size_t>(rows_ + 2), 0);
+  for (int y = 0; y < image.height(); ++y) {
+    const auto* edges = image.edges.ptr<uint8_t>(y);
+    const auto* ignore = image.ignore.empty() ? nullptr : image.ignore.ptr<uint8_t>(y);
+    for (int x = 0; x < image.width(); ++x) {
+      if (ignore && ignore[x]) {
+        paintAround(cellAt(x, y), kAll, &image_edges_);
+      } else if (edges[x]) {
+        const Eigen::Vector2d normal = image.normalAt(x, y);
+        if (!normal.isZero())
+          paintAround(cellAt(x, y), around(binOf(-normal.y(), normal.x())), &image_edges_);
+      }
+    }
+  }
+}
+
+ContourMatch ImageContours::compare(const VisibleSet& visible, const CameraModel& camera,
+                                    const Pose& T_map_camera, double sample_step) const {
+  Cells near_model(image_edges_.size(), 0), on_model(image_edges_.size(), 0);
+  const auto paint = [&](const Eigen::Vector2d& p, int bin) {
+    const double x = std::floor((p.x() + 0.5) / cell_), y = std::floor((p.y() + 0.5) / cell_);
+    if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return;
+    const size_t cell = (static_cast<size_t>(y) + 1) * stride_ + static_cast<size_t>(x) + 1;
+    paintAround(cell, around(bin), &near_model);
+    on_model[cell] |= bit(bin);
   };
   const Pose camera_from_map = T_map_camera.inverse();
   for (const VisibleSet::Segment& segment : visible.segments) {
@@ -75,22 +103,19 @@ size_t ImageContours::explainedBy(const VisibleSet& visible, const CameraModel& 
       const Eigen::Vector2d way = to - from;
       if (way.squaredNorm() < 1e-12) continue;
       const int bin = binOf(way.x(), way.y());
-      const auto directions = static_cast<uint8_t>(bit(bin - 1) | bit(bin) | bit(bin + 1));
       // Seen nearly end-on from close by, a piece may be long in the image.
       const int steps =
           std::clamp(static_cast<int>(way.norm() / cell_) + 1, 1, 2 * (columns_ + rows_));
-      for (int k = 0; k <= steps; ++k)
-        paint(from + way * (static_cast<double>(k) / steps), directions);
+      for (int k = 0; k <= steps; ++k) paint(from + way * (static_cast<double>(k) / steps), bin);
     }
   }
-  size_t explained = 0;
-  for (const Pixel& pixel : pixels_) {
-    const auto row = static_cast<int>(pixel.cell) / columns_;
-    const auto column = static_cast<int>(pixel.cell) % columns_;
-    explained +=
-        (painted[static_cast<size_t>((row + 1) * stride + column + 1)] & pixel.direction) != 0;
-  }
-  return explained;
+  ContourMatch match;
+  for (const Pixel& pixel : pixels_)
+    match.explained += (near_model[pixel.cell] & pixel.direction) != 0;
+  // A line crosses a cell in about as many pixels as the cell is wide.
+  for (size_t cell = 0; cell < on_model.size(); ++cell)
+    if ((on_model[cell] & ~image_edges_[cell]) != 0) match.missing += static_cast<size_t>(cell_);
+  return match;
 }
 
 }  // namespace edge_mcl

@@ -58,7 +58,8 @@ double densityOfLevel(double level) {
 
 double usableClutter(double density) { return std::clamp(density, kLeastClutter, kMostClutter); }
 
-ScoreLevels::ScoreLevels(const ImageParameters& image, const LikelihoodParameters& params)
+ScoreLevels::ScoreLevels(const ImageParameters& image, const LikelihoodParameters& params,
+                         bool centred)
     // In the paper's model clutter plays no part.
     : levels_(params.model == LikelihoodModel::kPaper ? 1 : kLevels) {
   const SearchGeometry search(image);
@@ -66,7 +67,7 @@ ScoreLevels::ScoreLevels(const ImageParameters& image, const LikelihoodParameter
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (size_t level = 0; level < levels_; ++level) {
     const double density = densityOfLevel(static_cast<double>(level));
-    const double by_chance = params.model == LikelihoodModel::kPaper
+    const double by_chance = params.model == LikelihoodModel::kPaper || !centred
                                  ? 0
                                  : meanLogRatioByChance(params, density, search.length());
     for (int b = 0; b < search.bins(); ++b) {

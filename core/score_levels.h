@@ -31,7 +31,10 @@ double usableClutter(double density);
 /// the lowest and the highest score. The same for all images.
 class ScoreLevels {
  public:
-  ScoreLevels(const ImageParameters& image, const LikelihoodParameters& params);
+  /// @param centred as sampleScore; otherwise the mean by chance is not subtracted (robust model):
+  /// then model edges that a bare image does not show speak against a pose.
+  ScoreLevels(const ImageParameters& image, const LikelihoodParameters& params,
+              bool centred = true);
 
   /// Bytes by number of steps (EdgeField::steps), entries() of them, in memory of at least 32.
   const uint8_t* codes(int bin, float clutter) const {

@@ -38,6 +38,9 @@ RefinementParameters smallRefinement(RefinementParameters refinement) {
 }
 
 constexpr double kBroad = 4, kSharp = 1.5;
+// A bare wall is seen from few places: where the model has many edges, and the image none, one is
+// not there. Centred scores would leave such poses with every line that fits by chance for nothing.
+constexpr bool kCentred = false;
 
 }  // namespace
 
@@ -55,8 +58,8 @@ SmallImages::SmallImages(const Parameters& params, int width, double sample_step
     : image_(smallImageParameters(params.image)),
       broad_(withSigma(params, kBroad)),
       sharp_(withSigma(params, kSharp)),
-      broad_levels_(image_, broad_),
-      sharp_levels_(image_, sharp_),
+      broad_levels_(image_, broad_, kCentred),
+      sharp_levels_(image_, sharp_, kCentred),
       refiner_(smallRefinement(params.refinement), sharp_, image_),
       width_(width),
       // The sets of visible samples are thinned already: what is left is as if sampled more widely.

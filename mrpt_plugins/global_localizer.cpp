@@ -117,7 +117,7 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
         hypotheses_.empty() ? Pose::Identity() : normalized(hypotheses_.front().pose * motion_);
     return report_;
   }
-  keyframes_.push_back({SearchViews(views), motion_, variance_});
+  keyframes_.push_back({search_.prepare(views), motion_, variance_});
   ++keyframe_count_;
   if (keyframes_.size() > static_cast<size_t>(map_.params().search.window)) {
     keyframes_.pop_front();
@@ -144,8 +144,7 @@ void GlobalLocalizer::follow() {
   const Keyframe& now = keyframes_.back();
   tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
-    const PoseGaussian prior = predicted(h.pose, now.motion, now.variance);
-    FoundPose found = search_.sharpen(now.seen, prior.mean, prior);
+    const FoundPose found = search_.follow(now.seen, predicted(h.pose, now.motion, now.variance));
     h.pose = found.pose;
     h.total += found.log_likelihood;
     h.history.push_back(found);
@@ -215,7 +214,7 @@ GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) c
   for (size_t k = keyframes_.size() - 1; k > 0; --k) {
     const Keyframe& later = keyframes_[k];
     const PoseGaussian prior = predicted(pose, later.motion.inverse(), later.variance);
-    const FoundPose before = search_.sharpen(keyframes_[k - 1].seen, prior.mean, prior);
+    const FoundPose before = search_.follow(keyframes_[k - 1].seen, prior);
     pose = before.pose;
     h.total += before.log_likelihood;
     h.history.push_front(before);

@@ -18,6 +18,11 @@ constexpr double kDegree = M_PI / 180;
 // What an explained pixel of an image of this width is worth: a long contour about as much as the
 // line of the model that lies on it.
 constexpr double kNatsPerContourPixel = 0.2, kContourWidth = 640;
+// What a pixel of the model's visible edges is worth that the image does not show. Images do not
+// show all that is there: where they show a third of it, a pose still gains.
+constexpr double kShareOfMissingPixel = 0.5;
+// Effort of a refinement in the reduced image: iterations, samples.
+constexpr RefinementEffort kReducedEffort{6, 200};
 
 /// Of a base whose camera is held upright, more or less: looking ahead, up or down, a little
 /// tilted.
@@ -48,6 +53,19 @@ Pose baseAt(const Eigen::Vector3d& camera_position, const Eigen::Matrix3d& rotat
   pose.linear() = rotation;
   pose.translation() = camera_position - rotation * T_base_camera.translation();
   return pose;
+}
+
+RefinementView reducedView(const Pose& T_base_camera,
+                           const std::shared_ptr<const SmallImage>& small,
+                           std::shared_ptr<const VisibleSet> visible) {
+  RefinementView view;
+  view.T_base_camera = T_base_camera;
+  if (!small) return view;
+  view.camera = &small->camera;
+  view.image = &small->edges;
+  view.pixels = &small->pixels;
+  view.visible = std::move(visible);
+  return view;
 }
 
 /// Leaves out what is near a better one. Keeps at most `most`.
@@ -131,23 +149,13 @@ std::vector<Pose> PoseSearch::finish(const std::vector<CameraView>& views, const
   const auto better = [](const auto& a, const auto& b) { return a.score > b.score; };
   std::stable_sort(starts.begin(), starts.end(), better);
   if (starts.size() > static_cast<size_t>(p.refined)) starts.resize(p.refined);
-  constexpr RefinementEffort kEffort{6, 200};
   tbb::parallel_for(size_t{0}, starts.size(), [&](size_t i) {
     Start& start = starts[i];
     std::vector<RefinementView> refined;
-    for (size_t v = 0; v < views.size(); ++v) {
-      RefinementView view;
-      view.T_base_camera = views[v].T_base_camera;
-      if (small[v]) {
-        view.camera = &small[v]->camera;
-        view.image = &small[v]->edges;
-        view.pixels = &small[v]->pixels;
-        view.visible = start.visible;
-      }
-      refined.push_back(std::move(view));
-    }
+    for (size_t v = 0; v < views.size(); ++v)
+      refined.push_back(reducedView(views[v].T_base_camera, small[v], start.visible));
     const PoseGaussian prior = looseAround(start.pose, up);
-    start.pose = small_images_.refiner().refine(refined, prior.mean, prior, kEffort).pose;
+    start.pose = small_images_.refiner().refine(refined, prior.mean, prior, kReducedEffort).pose;
     score(views, small, true, start.visible, {start.pose}, &start.score);
   });
   std::stable_sort(starts.begin(), starts.end(), better);
@@ -262,10 +270,29 @@ std::vector<Pose> PoseSearch::around(const std::vector<CameraView>& views,
   return finish(views, small, std::move(starts), up);
 }
 
-SearchViews::SearchViews(std::vector<CameraView> all) : views(std::move(all)) {
+SearchViews PoseSearch::prepare(std::vector<CameraView> views) const {
+  SearchViews seen;
+  seen.small = reduce(views);
   for (const CameraView& view : views)
-    contours.push_back(view.image ? std::make_shared<const ImageContours>(view.image->edges)
-                                  : nullptr);
+    seen.contours.push_back(view.image ? std::make_shared<const ImageContours>(view.image->edges)
+                                       : nullptr);
+  seen.views = std::move(views);
+  return seen;
+}
+
+FoundPose PoseSearch::follow(const SearchViews& seen, const PoseGaussian& prior) const {
+  std::vector<RefinementView> refined;
+  for (size_t v = 0; v < seen.views.size(); ++v) {
+    const Pose& T_base_camera = seen.views[v].T_base_camera;
+    std::shared_ptr<const VisibleSet> visible;
+    if (seen.small[v])
+      visible = std::make_shared<const VisibleSet>(
+          map_.visibility().exact((prior.mean * T_base_camera).translation(), small_thinning_));
+    refined.push_back(reducedView(T_base_camera, seen.small[v], std::move(visible)));
+  }
+  const Pose start =
+      small_images_.refiner().refine(refined, prior.mean, prior, kReducedEffort).pose;
+  return sharpen(seen, start, prior);
 }
 
 FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
@@ -296,7 +323,7 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
   if (result.used_samples > 0)
     found.match_ratio = static_cast<double>(result.matched_samples) / result.used_samples;
   double by_images = 0, lines = 0, points = 0, on_model = 0;
-  size_t explained = 0;
+  double contours = 0;  // pixels
   double widest = kContourWidth;
   for (size_t v = 0; v < views.size(); ++v) {
     const Pose camera = found.pose * views[v].T_base_camera;
@@ -310,8 +337,10 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
       by_images += s.log_likelihood;
       lines += static_cast<double>(s.line_count);
       widest = std::max(widest, static_cast<double>(frame.camera.width));
-      explained += seen.contours[v]->explainedBy(*refined[v].visible, frame.camera, camera,
-                                                 frame.sample_step);
+      const ContourMatch match =
+          seen.contours[v]->compare(*refined[v].visible, frame.camera, camera, frame.sample_step);
+      contours += static_cast<double>(match.explained) -
+                  kShareOfMissingPixel * static_cast<double>(match.missing);
     }
     if (views[v].depth && map_.depth()) {
       const DepthScore s = map_.depth()->evaluate(*views[v].depth, {camera}).front();
@@ -325,8 +354,7 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
       map_.params().likelihood.model == LikelihoodModel::kRobust
           ? combineLines(searchLikelihood(map_.params()), found.evidence * lines, lines)
           : by_images;
-  found.log_likelihood +=
-      kNatsPerContourPixel * kContourWidth / widest * static_cast<double>(explained);
+  found.log_likelihood += kNatsPerContourPixel * kContourWidth / widest * contours;
   if (points > 0) found.depth_agreement = on_model / points;
   return found;
 }

@@ -28,10 +28,9 @@ struct FoundPose {
 
 /// What was seen at one moment, with what the search asks of it more than once.
 struct SearchViews {
-  SearchViews() = default;
-  explicit SearchViews(std::vector<CameraView> all);
   std::vector<CameraView> views;
   std::vector<std::shared_ptr<const ImageContours>> contours;  ///< of each; null without image
+  std::vector<std::shared_ptr<const SmallImage>> small;        ///< likewise
 };
 
 /// Closer than this in position and angle.
@@ -58,9 +57,13 @@ class PoseSearch {
   std::vector<Pose> around(const std::vector<CameraView>& views, const PoseGaussian& guess,
                            const std::optional<UpReading>& up, RandomSource* random);
 
+  SearchViews prepare(std::vector<CameraView> views) const;
   /// Refines one pose in the full images. Its log-likelihood holds what the model's edges find in
-  /// the images and what of the images' contours the model explains.
+  /// the images, what of the images' contours the model explains, and what it shows in vain.
   FoundPose sharpen(const SearchViews& seen, const Pose& start, const PoseGaussian& prior) const;
+  /// The same from the prior's mean, by way of the reduced images: odometry may be off by more than
+  /// a refinement in the full image finds its way back from.
+  FoundPose follow(const SearchViews& seen, const PoseGaussian& prior) const;
 
   /// The prior for refining a pose that was found: wide, but for roll and pitch where known.
   PoseGaussian looseAround(const Pose& start, const std::optional<UpReading>& up) const;

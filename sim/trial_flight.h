@@ -29,7 +29,8 @@ class TrialFlight {
               size_t images, size_t event, double blackout_seconds, double drift);
 
   const CameraModel& camera() const { return first_->scenario().camera; }
-  /// The next image, with truth, odometry (T_odom_camera), mask. @return false at the end.
+  double depthScale() const { return first_->scenario().depth_scale; }  ///< units per metre
+  /// The next image, with depth, truth, odometry (T_odom_camera), mask. @return false at the end.
   bool next(RecordedFrame* frame);
 
  private:

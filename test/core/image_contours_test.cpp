@@ -26,13 +26,14 @@ class Square : public testing::Test {
     }
     return weldMesh(std::move(soup), 1e-6, "square");
   }
-  size_t explained(int copies, const Pose& pose) const {
+  ContourMatch match(int copies, const Pose& pose) const { return match(contours_, copies, pose); }
+  ContourMatch match(const ImageContours& contours, int copies, const Pose& pose) const {
     MeshModel mesh = linesOf(copies);
     const EdgeModel edges = buildEdgeModel(&mesh, {});
     const Visibility visibility(mesh, edges, {});
-    return contours_.explainedBy(visibility.exact(pose.translation()), camera_, pose,
-                                 edges.sample_step);
+    return contours.compare(visibility.exact(pose.translation()), camera_, pose, edges.sample_step);
   }
+  size_t explained(int copies, const Pose& pose) const { return match(copies, pose).explained; }
   static cv::Mat picture() {
     cv::Mat grey(240, 320, CV_8U, cv::Scalar(80));
     cv::rectangle(grey, {98, 58}, {221, 181}, cv::Scalar(180), cv::FILLED);
@@ -83,6 +84,33 @@ TEST_F(Square, DirectionsMustAgree) {
   // Turned by 45 degrees about the line of sight lines only cross.
   EXPECT_LT(static_cast<double>(explained(1, moved(0, 0, 45))),
             0.1 * static_cast<double>(contours_.size()));
+}
+
+TEST_F(Square, NothingIsMissingFromWhereItWasSeen) {
+  // But at the four corners, where an image's gradient has no direction.
+  EXPECT_LE(match(1, moved(0)).missing, 16u);
+  EXPECT_EQ(match(5, moved(0)).missing, match(1, moved(0)).missing);
+}
+
+TEST_F(Square, WhatTheImageDoesNotShowIsMissing) {
+  // From 0.3 m aside both upright sides (124 pixels each) are seen in vain and 37 pixels of both
+  // level ones; nearness gives back three cells of two pixels at their ends.
+  EXPECT_NEAR(static_cast<double>(match(1, moved(0.3)).missing), 2 * 124 + 2 * 37, 24);
+  EXPECT_EQ(match(5, moved(0.3)).missing, match(1, moved(0.3)).missing);
+  EXPECT_EQ(match(1, moved(0, 180)).missing, 0u);
+  // On a bare wall all of it is.
+  const ImageContours bare(findEdges(cv::Mat(240, 320, CV_8U, cv::Scalar(90)), {}, {}, "bare"));
+  EXPECT_NEAR(static_cast<double>(match(bare, 1, moved(0)).missing), 4 * 124, 16);
+  EXPECT_EQ(match(bare, 1, moved(0)).explained, 0u);
+}
+
+TEST_F(Square, NothingIsMissingUnderTheMask) {
+  const cv::Mat bare(240, 320, CV_8U, cv::Scalar(90));
+  cv::Mat mask(240, 320, CV_8U, cv::Scalar(0));
+  mask.colRange(0, 160) = 255;
+  const ImageContours masked(findEdges(bare, mask, {}, "masked"));
+  // The right half: one side, and half of two.
+  EXPECT_NEAR(static_cast<double>(match(masked, 1, moved(0)).missing), 2 * 124, 20);
 }
 
 TEST(ImageContours, NoiseIsNotOfAnything) {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "edge_mcl/core/cpu_backend.h"
+#include "edge_mcl/core/edge_field.h"
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/core/random_source.h"
 #include "edge_mcl/core/reference_likelihood.h"
@@ -217,6 +218,21 @@ TEST(RobustLikelihood, ChanceScoresZeroOnAverage) {
     }
     EXPECT_NEAR(sum / kDraws, 0, 0.015) << clutter;
   }
+}
+
+TEST(RobustLikelihood, UncentredAMissingEdgeCostsTheSameOnABareWallAsAmongTexture) {
+  const ImageParameters image;
+  const LikelihoodParameters params;
+  const SearchGeometry search(image);
+  const ScoreLevels centred(image, params), uncentred(image, params, false);
+  const auto missing = [&](const ScoreLevels& levels, float clutter) {
+    return levels.offset() +
+           levels.scale() * static_cast<float>(levels.codes(0, clutter)[search.noEdge(0)]);
+  };
+  for (const float clutter : {0.004F, 0.02F, 0.1F})
+    EXPECT_NEAR(missing(uncentred, clutter), std::log(params.missing_edge), uncentred.scale());
+  // Centred, nothing is nearly what chance gives on a bare wall: exp(-2 c s) of all.
+  EXPECT_NEAR(missing(centred, 0.004F), 0, 0.2);
 }
 
 TEST(CpuBackend, OnePoseAloneAndInABatchGiveTheSameBitsOnAnyNumberOfThreads) {

@@ -121,7 +121,8 @@ TEST(RosConversions, ImageEncodings) {
       deep(8, 10, CV_16U, cv::Scalar(90 * 257)),
       alpha(8, 10, CV_8UC4, cv::Scalar(10, 90, 200, 255));
   const auto read = [](const cv::Mat& image, const char* encoding) {
-    return fromMessage(toImage(image, encoding, ros::Time(1), ""), "test");
+    // Not copied, the pixels go with the message.
+    return fromMessage(toImage(image, encoding, ros::Time(1), ""), "test").clone();
   };
   EXPECT_EQ(read(grey, "mono8").at<uint8_t>(3, 3), 90);
   EXPECT_EQ(read(color, "bgr8").at<cv::Vec3b>(3, 3), cv::Vec3b(10, 90, 200));

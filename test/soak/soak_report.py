@@ -62,5 +62,9 @@ def writeReport(soak, file):
     text = '\n'.join(lines) + '\n'
     with open(file, 'w') as f:
         f.write(text)
+    with open(os.path.join(os.path.dirname(file), 'processes.csv'), 'w') as f:
+        f.write('node,life,age_s,resident_kb,files,threads\n')
+        for node in soak.nodes.values():
+            f.writelines(line + '\n' for line in node.figures())
     print('\n' + text)
     return 1 if crashes or lost else 0

@@ -64,5 +64,11 @@ class WatchedNode:
         except (OSError, KeyError):
             pass  # it just ended; revive() says so
 
+    def figures(self):
+        """Lines of a table: life, s since its begin, resident kB, open files, threads."""
+        for number, life in enumerate(self.lives, 1):
+            for measured in life:
+                yield '%s,%d,%.0f,%d,%d,%d' % ((self.name, number) + measured)
+
     def longestLife(self):
         return max(self.lives, key=lambda life: life[-1][0] if life else 0, default=[])
