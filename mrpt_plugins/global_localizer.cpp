@@ -88,15 +88,17 @@ bool GlobalLocalizer::isNewView() const {
          logSo3(motion_.linear()).norm() >= p.keyframe_angle_deg * kDegree;
 }
 
-PoseGaussian GlobalLocalizer::predicted(const Pose& pose, const Pose& motion,
+PoseGaussian GlobalLocalizer::predicted(const FoundPose& before, const Pose& motion,
                                         const Twist& variance) const {
-  // A refined pose is itself this uncertain, about.
+  // A refined pose is itself at least this uncertain.
   constexpr double kPosition = 0.02, kAngle = 0.5 * kDegree;
   PoseGaussian result;
-  result.mean = normalized(pose * motion);
+  result.mean = normalized(before.pose * motion);
   result.covariance.diagonal().head<3>().setConstant(kPosition * kPosition);
   result.covariance.diagonal().tail<3>().setConstant(kAngle * kAngle);
   result.covariance.diagonal() += variance;
+  const Matrix6 to_new_axes = adjoint(motion.inverse());
+  result.covariance += to_new_axes * before.covariance * to_new_axes.transpose();
   return result;
 }
 
@@ -144,7 +146,8 @@ void GlobalLocalizer::follow() {
   const Keyframe& now = keyframes_.back();
   tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
-    const FoundPose found = search_.follow(now.seen, predicted(h.pose, now.motion, now.variance));
+    const FoundPose found =
+        search_.follow(now.seen, predicted(h.history.back(), now.motion, now.variance));
     h.pose = found.pose;
     h.total += found.log_likelihood;
     h.history.push_back(found);
@@ -210,14 +213,13 @@ GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) c
   h.pose = found.pose;
   h.history = {found};
   h.total = found.log_likelihood;
-  Pose pose = found.pose;
+  FoundPose last = found;
   for (size_t k = keyframes_.size() - 1; k > 0; --k) {
     const Keyframe& later = keyframes_[k];
-    const PoseGaussian prior = predicted(pose, later.motion.inverse(), later.variance);
-    const FoundPose before = search_.follow(keyframes_[k - 1].seen, prior);
-    pose = before.pose;
-    h.total += before.log_likelihood;
-    h.history.push_front(before);
+    last = search_.follow(keyframes_[k - 1].seen,
+                          predicted(last, later.motion.inverse(), later.variance));
+    h.total += last.log_likelihood;
+    h.history.push_front(last);
   }
   return h;
 }
@@ -298,9 +300,11 @@ SearchReport GlobalLocalizer::judge() const {
   }
   if (with_depth > 0) report.depth_agreement /= with_depth;
   report.estimate.mean = best.pose;
+  // Along a bare wall a pose that explains all may still be anywhere.
   constexpr double kPosition = 0.05, kAngle = 1.5 * kDegree;
-  report.estimate.covariance.diagonal().head<3>().setConstant(kPosition * kPosition);
-  report.estimate.covariance.diagonal().tail<3>().setConstant(kAngle * kAngle);
+  report.estimate.covariance = best.history.back().covariance;
+  report.estimate.covariance.diagonal().head<3>().array() += kPosition * kPosition;
+  report.estimate.covariance.diagonal().tail<3>().array() += kAngle * kAngle;
   double min_margin = p.min_margin;
   bool explained = true;
   if (map_.usesImages()) {

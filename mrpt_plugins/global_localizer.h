@@ -64,7 +64,7 @@ class GlobalLocalizer {
   };
 
   bool isNewView() const;
-  PoseGaussian predicted(const Pose& pose, const Pose& motion, const Twist& variance) const;
+  PoseGaussian predicted(const FoundPose& before, const Pose& motion, const Twist& variance) const;
   void follow();
   void look();
   std::vector<CameraView> rig() const;

@@ -320,6 +320,7 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
       refiner_.refine(refined, start, prior, {p.iterations, p.start_samples});
   FoundPose found;
   found.pose = result.pose;
+  found.covariance = result.covariance;
   if (result.used_samples > 0)
     found.match_ratio = static_cast<double>(result.matched_samples) / result.used_samples;
   double by_images = 0, lines = 0, points = 0, on_model = 0;

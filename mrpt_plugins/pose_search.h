@@ -19,7 +19,8 @@ namespace edge_mcl {
 
 /// A pose, refined, and what the images say of it.
 struct FoundPose {
-  Pose pose = Pose::Identity();  ///< T_map_base
+  Pose pose = Pose::Identity();          ///< T_map_base
+  Matrix6 covariance = Matrix6::Zero();  ///< of the refinement, with its prior; tangent space
   double log_likelihood = 0;
   double evidence = 0;          ///< per line, see UpdateReport::evidence_per_line
   double match_ratio = 0;       ///< share of the visible samples with an image edge in reach
