@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/image_contours.h"
 
 namespace edge_mcl {
 
@@ -29,7 +30,8 @@ const char* nameOf(LocalizerState state) {
 LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map)
     : map_(std::move(map)),
       tracking_(map_->params().tracking),
-      filter_(map_->params().filter, map_->params().refinement) {}
+      filter_(map_->params().filter, map_->params().refinement),
+      proof_(map_->params()) {}
 
 void LiveLocalizer::begin() {
   initial_ = filter_.estimate();
@@ -38,10 +40,8 @@ void LiveLocalizer::begin() {
   odometry_of_update_.reset();
   trusted_at_.reset();
   searching_ = false;
-  confirmed_since_.reset();
-  doubts_ = 0;
-  needs_proof_ = isSpreadWide();
-  if (needs_proof_) beginSearch(true);
+  proof_.begin(isSpreadWide());
+  if (proof_.isNeeded()) beginSearch(true);
 }
 
 bool LiveLocalizer::isSpreadWide() const {
@@ -97,33 +97,6 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->relocalized = true;
 }
 
-bool LiveLocalizer::isProven(double time, bool confirmed, double match_ratio) {
-  constexpr double kLongEnough = 1;  // s, where nearly all of the model in view is seen
-  constexpr int kEnough = 5;         // images
-  if (!confirmed) {
-    confirmed_since_.reset();
-    return false;
-  }
-  if (!confirmed_since_) {
-    confirmed_since_ = time;
-    confirmed_images_ = 0;
-    confirmed_ratios_ = 0;
-  }
-  ++confirmed_images_;
-  confirmed_ratios_ += match_ratio;
-  if (!needs_proof_) return true;
-  // At a place that looks alike less of the model is seen. Where that is so at the right place too,
-  // it takes longer; as in the search.
-  double enough = kLongEnough;
-  if (map_->usesImages()) {
-    const double mean = confirmed_ratios_ / confirmed_images_;
-    const double shortfall = map_->params().search.min_match_ratio / std::max(mean, 0.01);
-    enough *= std::pow(std::max(1.0, shortfall), 2);
-  }
-  needs_proof_ = time - *confirmed_since_ < enough || confirmed_images_ < kEnough;
-  return !needs_proof_;
-}
-
 void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
   filter_.setParticles(std::move(poses), std::move(log_weights));
   begin();
@@ -153,6 +126,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
     if (input.odometry && last_odometry_)
       increment = normalized(last_odometry_->inverse() * *input.odometry);
     if (searching_) global_->move(increment, dt);
+    proof_.move(increment, dt);
     if (initial_ && !fresh_) {
       if (increment)
         filter_.predictWithOdometry(*increment, dt);
@@ -271,6 +245,15 @@ bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
   return (used_edges || used_depth) && (by_edges || !used_edges) && (by_depth || !used_depth);
 }
 
+bool LiveLocalizer::showWhatIsNotInView(const std::vector<CameraView>& views) {
+  // About a line from border to border; a bare wall shows less.
+  const auto shows = [](const CameraView& view) {
+    return view.image && ImageContours(view.image->edges).size() >=
+                             static_cast<size_t>(view.image->edges.width());
+  };
+  return std::any_of(views.begin(), views.end(), shows);
+}
+
 void LiveLocalizer::judge(double time, bool trusted, bool used) {
   const TrackingParameters& p = tracking_;
   if (!trusted_at_ || trusted) trusted_at_ = time;
@@ -321,11 +304,9 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     }
     if (result->updated) odometry_of_update_ = input.odometry;
     const bool confirmed = isConfirmed(*result);
-    // After several images that spoke against the pose a single one that fits is chance.
-    constexpr int kDoubts = 3;
-    doubts_ = confirmed ? 0 : doubts_ + (result->updated ? 1 : 0);
-    needs_proof_ = needs_proof_ || doubts_ >= kDoubts;
-    trusted = isProven(input.time, confirmed, result->match_ratio);
+    trusted = proof_.weigh({input.time, result->updated, confirmed, result->match_ratio,
+                            static_cast<double>(result->report.visible_lines)},
+                           filter_.estimate());
     if (result->updated && !confirmed && problem.empty())
       problem = "the image does not confirm the pose";
     judge(input.time, trusted, result->updated);
@@ -333,8 +314,10 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     if (state_ == LocalizerState::kLost) {
       // In the dark nothing speaks against the pose; the first image that fits will do, unless the
       // particles have spread too far meanwhile.
-      needs_proof_ = needs_proof_ || (result->updated && !confirmed) || isSpreadWide();
-      if (needs_proof_ && (!searching_ || only_around_) && map_->params().search.recover)
+      const bool contradicted =
+          result->updated ? !confirmed : !searching_ && showWhatIsNotInView(views);
+      if (contradicted || isSpreadWide()) proof_.require();
+      if (proof_.isNeeded() && (!searching_ || only_around_) && map_->params().search.recover)
         beginSearch(false);
     }
   }

@@ -9,6 +9,7 @@
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/mrpt_plugins/global_localizer.h"
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
+#include "edge_mcl/mrpt_plugins/pose_proof.h"
 
 namespace edge_mcl {
 
@@ -94,7 +95,7 @@ class LiveLocalizer {
                                   std::string* problem) const;
   std::string useImages(std::vector<CameraView> views, LiveResult* result);
   void beginSearch(bool only_around);
-  bool isProven(double time, bool confirmed, double match_ratio);
+  static bool showWhatIsNotInView(const std::vector<CameraView>& views);
   bool isSpreadWide() const;
   void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
@@ -106,6 +107,7 @@ class LiveLocalizer {
   std::shared_ptr<const LocalizationMap> map_;
   TrackingParameters tracking_;
   PoseFilter filter_;
+  PoseProof proof_;
   std::optional<PoseGaussian> initial_;
   LocalizerState state_ = LocalizerState::kUninitialized;
   bool fresh_ = false;  // no image since the pose was given
@@ -116,12 +118,6 @@ class LiveLocalizer {
   std::unique_ptr<GlobalLocalizer> global_;  // made when first needed
   bool searching_ = false;
   bool only_around_ = false;  // the search looks around the given pose only
-  // Begun far from where it is, perhaps, or lost since: one image that fits proves nothing.
-  bool needs_proof_ = false;
-  std::optional<double> confirmed_since_;  // without a gap
-  int doubts_ = 0;                         // images in a row that did not confirm the pose
-  int confirmed_images_ = 0;               // since then
-  double confirmed_ratios_ = 0;            // sum of their match ratios
 };
 
 }  // namespace edge_mcl

@@ -1,0 +1,51 @@
+/// When images that fit a pose are proof of it.
+#pragma once
+
+#include <optional>
+
+#include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/se3.h"
+
+namespace edge_mcl {
+
+/// What an image said of the pose.
+struct ImageVerdict {
+  double time = 0;         ///< s
+  bool used = false;       ///< it was compared with the model
+  bool confirmed = false;  ///< and it fits
+  double match_ratio = 1;  ///< share of the visible samples with an image edge in reach
+  double lines = 0;        ///< of the model in view; 0: judged by depth alone
+};
+
+/// One image that fits is enough while a pose is followed. It is chance after several images that
+/// did not fit, or when the pose that it fits is not where odometry has brought the last trusted
+/// one: somebody may have carried the robot, and two lines fit in many places.
+class PoseProof {
+ public:
+  explicit PoseProof(const Parameters& params);
+
+  /// A new pose. @param needed one image that fits does not prove it.
+  void begin(bool needed);
+  void require() { needed_ = true; }
+  bool isNeeded() const { return needed_; }
+
+  /// The robot has moved, by odometry or by an unknown motion, over dt seconds.
+  void move(const std::optional<Pose>& increment, double dt);
+
+  /// @param estimate after the image. @return whether it may be trusted now
+  bool weigh(const ImageVerdict& image, const PoseGaussian& estimate);
+
+ private:
+  bool isElsewhere(const PoseGaussian& estimate) const;
+
+  const FilterParameters filter_;
+  const double enough_ratio_;  // match ratio that needs no more time; 0: there are no images
+  bool needed_ = false;
+  std::optional<PoseGaussian> expected_;  // the last one that was trusted, moved by odometry
+  std::optional<double> since_;           // without a gap all images fit
+  int doubts_ = 0;                        // images in a row that did not
+  int images_ = 0;                        // that did
+  double ratios_ = 0, lines_ = 0;         // sums over them
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,87 @@
+#include "edge_mcl/mrpt_plugins/pose_proof.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace edge_mcl {
+namespace {
+
+/// A pose that is followed at ten images a second.
+class Followed : public testing::Test {
+ protected:
+  PoseGaussian at(double x) const {
+    PoseGaussian pose;
+    pose.mean.translation().x() = x;
+    pose.covariance = Matrix6::Identity() * 1e-4;
+    return pose;
+  }
+  /// An image 0.1 s later; the robot stands still by its odometry.
+  bool image(double x, bool confirmed = true, double lines = 20, double ratio = 0.9) {
+    proof_.move(Pose::Identity(), 0.1);
+    time_ += 0.1;
+    return proof_.weigh({time_, true, confirmed, ratio, lines}, at(x));
+  }
+  /// Images until it is trusted again, at most 100.
+  int imagesUntilTrusted(double x, double lines = 20, double ratio = 0.9) {
+    int count = 1;
+    while (!image(x, true, lines, ratio) && count < 100) ++count;
+    return count;
+  }
+
+  PoseProof proof_{Parameters()};
+  double time_ = 0;
+};
+
+TEST_F(Followed, EveryImageThatFitsIsEnough) {
+  proof_.begin(false);
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0.002 * i));
+  EXPECT_FALSE(image(0.04, false));
+  EXPECT_TRUE(image(0.04));
+}
+
+TEST_F(Followed, ABadStartTakesASecond) {
+  proof_.begin(true);
+  // Ten intervals of 0.1 s, and one for rounding.
+  EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
+  EXPECT_TRUE(image(0));
+}
+
+TEST_F(Followed, AfterThreeDoubtsOneImageIsChance) {
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(image(0, false));
+  EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
+}
+
+TEST_F(Followed, APoseWhereOdometryDidNotGoTakesASecond) {
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  EXPECT_FALSE(image(0, false));
+  // One image spoke against it, the next fits, but 1 m away.
+  EXPECT_NEAR(imagesUntilTrusted(1), 11, 1);
+  EXPECT_TRUE(image(1));
+  // Without an image between, too.
+  EXPECT_NEAR(imagesUntilTrusted(3), 11, 1);
+}
+
+TEST_F(Followed, ItMayMoveAsOdometrySays) {
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  Pose step = Pose::Identity();
+  step.translation().x() = 1;
+  proof_.move(step, 0.1);
+  EXPECT_TRUE(image(1));
+}
+
+TEST_F(Followed, ItTakesLongerWithFewLinesAndWhereLessOfThemIsSeen) {
+  proof_.begin(true);
+  // A third of six lines: three times as long.
+  EXPECT_NEAR(imagesUntilTrusted(0, 2), 31, 1);
+  proof_.begin(true);
+  // Half of the 0.8 that are enough: four times as long.
+  EXPECT_NEAR(imagesUntilTrusted(0, 20, 0.4), 41, 1);
+}
+
+}  // namespace
+}  // namespace edge_mcl
