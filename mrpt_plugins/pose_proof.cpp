@@ -31,14 +31,15 @@ void PoseProof::move(const std::optional<Pose>& increment, double dt) {
 bool PoseProof::isElsewhere(const PoseGaussian& estimate) const {
   // Poses are somewhat worse than their covariances say, odometry than its noise.
   constexpr double kPosition = 0.05, kAngle = M_PI / 180;
-  // Of six dimensions less than one in a million is beyond this.
-  constexpr double kFar = 40;
+  // Of six dimensions less than one in a million is beyond the first; after an image that did not
+  // fit one in twenty is suspect.
+  constexpr double kFar = 40, kFarInDoubt = 12.6;
   if (!expected_) return false;
   Matrix6 covariance = expected_->covariance;
   covariance.diagonal().head<3>().array() += kPosition * kPosition;
   covariance.diagonal().tail<3>().array() += kAngle * kAngle;
   const Twist off = logSe3(expected_->mean.inverse() * estimate.mean);
-  return off.dot(covariance.ldlt().solve(off)) > kFar;
+  return off.dot(covariance.ldlt().solve(off)) > (doubts_ > 0 ? kFarInDoubt : kFar);
 }
 
 bool PoseProof::weigh(const ImageVerdict& image, const PoseGaussian& estimate) {
@@ -52,12 +53,12 @@ bool PoseProof::weigh(const ImageVerdict& image, const PoseGaussian& estimate) {
     since_.reset();
     return false;
   }
-  doubts_ = 0;
   if (isElsewhere(estimate)) {
     needed_ = true;
     since_.reset();
     expected_ = estimate;  // from here on it must stay there
   }
+  doubts_ = 0;
   if (!since_) {
     since_ = image.time;
     images_ = 0;

@@ -65,6 +65,15 @@ TEST_F(Followed, APoseWhereOdometryDidNotGoTakesASecond) {
   EXPECT_NEAR(imagesUntilTrusted(3), 11, 1);
 }
 
+TEST_F(Followed, AfterADoubtLessIsSuspect) {
+  // 0.2 m are 4 standard deviations of 5 cm: 16 of chi-square, between both limits.
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  EXPECT_TRUE(image(0.2));
+  EXPECT_FALSE(image(0.2, false));
+  EXPECT_FALSE(image(0));
+}
+
 TEST_F(Followed, ItMayMoveAsOdometrySays) {
   proof_.begin(false);
   EXPECT_TRUE(image(0));

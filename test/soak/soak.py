@@ -11,6 +11,7 @@ import threading
 import time
 
 import rospy
+import yaml
 from edge_mcl.msg import Status
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
@@ -96,6 +97,9 @@ class Soak:
                             ('global_start', True), ('likelihood/cues', a.cues),
                             ('filter/particles', a.particles)):
             rospy.set_param('/edge_mcl_localizer/' + name, value)
+        for setting in a.set:
+            name, value = setting.split('=', 1)
+            rospy.set_param('/edge_mcl_localizer/' + name, yaml.safe_load(value))
         rospy.set_param('/edge_mcl_viewer/headless', True)
         rospy.set_param('/edge_mcl_viewer/pictures', os.path.join(a.out, 'viewer'))
         rospy.set_param('/edge_mcl_viewer/pictures_at', '5')
@@ -211,12 +215,17 @@ def parse():
                         help='s within which it must track again')
     parser.add_argument('--restart-every', type=float, default=12,
                         help='min between ends of a process; rare, so that a leak can be seen')
+    parser.add_argument('--set', action='append', default=[], metavar='GROUP/NAME=VALUE',
+                        help='a parameter of the localizer')
     parser.add_argument('--faults', default='', help='only these, with commas')
     return parser.parse_args()
 
 
 def main():
     arguments = parse()
+    for setting in arguments.set:
+        if '=' not in setting:
+            raise SystemExit('--set %s: GROUP/NAME=VALUE expected' % setting)
     for file in (arguments.bag, arguments.model):
         if not os.path.isfile(file):
             raise SystemExit('%s: no such file' % file)
