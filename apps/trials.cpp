@@ -79,7 +79,8 @@ LiveInput inputOf(const RecordedFrame& frame, const TrialFlight& flight, const T
 /// Place of the truth among hypotheses, best first, from 1; 0: not among them.
 int rankOf(const Pose& truth, const std::vector<PoseCluster>& clusters) {
   for (size_t i = 0; i < clusters.size(); ++i)
-    if (isNear(clusters[i].pose, truth, kRightPosition, kRightAngle)) return static_cast<int>(i) + 1;
+    if (isNear(clusters[i].pose, truth, kRightPosition, kRightAngle))
+      return static_cast<int>(i) + 1;
   return 0;
 }
 
