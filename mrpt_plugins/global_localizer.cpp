@@ -204,6 +204,7 @@ std::vector<Eigen::Matrix3d> GlobalLocalizer::rotations() const {
         chosen.push_back(turned);
     }
   std::vector<Eigen::Matrix3d> result;
+  result.reserve(chosen.size());
   for (const Pose& pose : chosen) result.push_back(pose.linear());
   return result;
 }

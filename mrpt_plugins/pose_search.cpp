@@ -159,9 +159,10 @@ std::vector<Pose> PoseSearch::finish(const std::vector<CameraView>& views, const
     score(views, small, true, start.visible, {start.pose}, &start.score);
   });
   std::stable_sort(starts.begin(), starts.end(), better);
-  starts = distinct(std::move(starts), static_cast<size_t>(2 * p.hypotheses), 0.12, 4 * kDegree);
+  starts = distinct(std::move(starts), 2 * static_cast<size_t>(p.hypotheses), 0.12, 4 * kDegree);
 
   std::vector<Pose> found;
+  found.reserve(starts.size());
   for (const Start& start : starts) found.push_back(start.pose);
   return found;
 }
