@@ -72,12 +72,7 @@ void GlobalLocalizer::move(const std::optional<Pose>& increment, double dt) {
     up_->sigma = std::hypot(up_->sigma, sigma[3]);
     if (up_->sigma > kUselessTilt) up_.reset();
   }
-  if (guess_) {
-    const Matrix6 to_new_axes = adjoint(step.inverse());
-    guess_->mean = normalized(guess_->mean * step);
-    guess_->covariance = to_new_axes * guess_->covariance * to_new_axes.transpose();
-    guess_->covariance.diagonal() += sigma.cwiseAbs2();
-  }
+  if (guess_) guess_ = moved(*guess_, step, sigma);
 }
 
 bool GlobalLocalizer::isNewView() const {
@@ -92,13 +87,9 @@ PoseGaussian GlobalLocalizer::predicted(const FoundPose& before, const Pose& mot
                                         const Twist& variance) const {
   // A refined pose is itself at least this uncertain.
   constexpr double kPosition = 0.02, kAngle = 0.5 * kDegree;
-  PoseGaussian result;
-  result.mean = normalized(before.pose * motion);
-  result.covariance.diagonal().head<3>().setConstant(kPosition * kPosition);
-  result.covariance.diagonal().tail<3>().setConstant(kAngle * kAngle);
-  result.covariance.diagonal() += variance;
-  const Matrix6 to_new_axes = adjoint(motion.inverse());
-  result.covariance += to_new_axes * before.covariance * to_new_axes.transpose();
+  PoseGaussian result = moved({before.pose, before.covariance}, motion, variance.cwiseSqrt());
+  result.covariance.diagonal().head<3>().array() += kPosition * kPosition;
+  result.covariance.diagonal().tail<3>().array() += kAngle * kAngle;
   return result;
 }
 

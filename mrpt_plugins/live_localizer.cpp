@@ -6,6 +6,7 @@
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/image_contours.h"
+#include "edge_mcl/mrpt_plugins/motion_noise.h"
 
 namespace edge_mcl {
 
@@ -126,12 +127,17 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
     if (input.odometry && last_odometry_)
       increment = normalized(last_odometry_->inverse() * *input.odometry);
     if (searching_) global_->move(increment, dt);
-    proof_.move(increment, dt);
     if (initial_ && !fresh_) {
-      if (increment)
+      const Pose before = filter_.estimate().mean;
+      const FilterParameters& p = map_->params().filter;
+      if (increment) {
         filter_.predictWithOdometry(*increment, dt);
-      else
+        proof_.move(*increment, odometryNoise(p, *increment, dt));
+      } else {
         filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap));
+        // Where it flies on at its velocity the pose is expected, too.
+        proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
+      }
     }
   }
   fresh_ = false;

@@ -31,4 +31,14 @@ inline Twist walkNoise(const FilterParameters& p, double dt) {
   return sigma;
 }
 
+/// A pose after a motion of these standard deviations.
+inline PoseGaussian moved(const PoseGaussian& pose, const Pose& step, const Twist& sigma) {
+  const Matrix6 to_new_axes = adjoint(step.inverse());
+  PoseGaussian result;
+  result.mean = normalized(pose.mean * step);
+  result.covariance = to_new_axes * pose.covariance * to_new_axes.transpose();
+  result.covariance.diagonal() += sigma.cwiseAbs2();
+  return result;
+}
+
 }  // namespace edge_mcl

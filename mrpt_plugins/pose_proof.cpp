@@ -8,8 +8,7 @@
 namespace edge_mcl {
 
 PoseProof::PoseProof(const Parameters& params)
-    : filter_(params.filter),
-      enough_ratio_(params.likelihood.cues == Cues::kDepth ? 0 : params.search.min_match_ratio) {}
+    : enough_ratio_(params.likelihood.cues == Cues::kDepth ? 0 : params.search.min_match_ratio) {}
 
 void PoseProof::begin(bool needed) {
   needed_ = needed;
@@ -18,14 +17,8 @@ void PoseProof::begin(bool needed) {
   doubts_ = 0;
 }
 
-void PoseProof::move(const std::optional<Pose>& increment, double dt) {
-  if (!expected_) return;
-  const Pose step = increment.value_or(Pose::Identity());
-  const Twist sigma = increment ? odometryNoise(filter_, step, dt) : walkNoise(filter_, dt);
-  const Matrix6 to_new_axes = adjoint(step.inverse());
-  expected_->mean = normalized(expected_->mean * step);
-  expected_->covariance = to_new_axes * expected_->covariance * to_new_axes.transpose();
-  expected_->covariance.diagonal() += sigma.cwiseAbs2();
+void PoseProof::move(const Pose& step, const Twist& sigma) {
+  if (expected_) expected_ = moved(*expected_, step, sigma);
 }
 
 bool PoseProof::isElsewhere(const PoseGaussian& estimate) const {

@@ -29,8 +29,8 @@ class PoseProof {
   void require() { needed_ = true; }
   bool isNeeded() const { return needed_; }
 
-  /// The robot has moved, by odometry or by an unknown motion, over dt seconds.
-  void move(const std::optional<Pose>& increment, double dt);
+  /// The robot has moved, by odometry or as the filter expects; sigma: standard deviations.
+  void move(const Pose& step, const Twist& sigma);
 
   /// @param estimate after the image. @return whether it may be trusted now
   bool weigh(const ImageVerdict& image, const PoseGaussian& estimate);
@@ -38,7 +38,6 @@ class PoseProof {
  private:
   bool isElsewhere(const PoseGaussian& estimate) const;
 
-  const FilterParameters filter_;
   const double enough_ratio_;  // match ratio that needs no more time; 0: there are no images
   bool needed_ = false;
   std::optional<PoseGaussian> expected_;  // the last one that was trusted, moved by odometry

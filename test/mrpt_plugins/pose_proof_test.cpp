@@ -1,4 +1,5 @@
 #include "edge_mcl/mrpt_plugins/pose_proof.h"
+#include "edge_mcl/mrpt_plugins/motion_noise.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ class Followed : public testing::Test {
   }
   /// An image 0.1 s later; the robot stands still by its odometry.
   bool image(double x, bool confirmed = true, double lines = 20, double ratio = 0.9) {
-    proof_.move(Pose::Identity(), 0.1);
+    proof_.move(Pose::Identity(), odometryNoise(Parameters().filter, Pose::Identity(), 0.1));
     time_ += 0.1;
     return proof_.weigh({time_, true, confirmed, ratio, lines}, at(x));
   }
@@ -79,7 +80,7 @@ TEST_F(Followed, ItMayMoveAsOdometrySays) {
   EXPECT_TRUE(image(0));
   Pose step = Pose::Identity();
   step.translation().x() = 1;
-  proof_.move(step, 0.1);
+  proof_.move(step, odometryNoise(Parameters().filter, step, 0.1));
   EXPECT_TRUE(image(1));
 }
 
