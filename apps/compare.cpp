@@ -247,9 +247,8 @@ void addCompare(CLI::App* app, Action* action) {
   CLI::App* c = app->add_subcommand(
       "compare",
       "this localizer against MRPT's own filters, on the same recordings: a document with tables "
-      "and plots. What has been run is kept in OUT: the same command goes on where it was stopped "
-      "(a "
-      "program or model that has changed needs a new OUT)");
+      "and plots. What has been run is kept in OUT: the same command goes on where it was stopped. "
+      "A program or model that has changed needs a new OUT");
   c->add_option("out", o->out, "directory for runs and simulated flights")->required();
   c->add_option("--flight", o->flights, "YAML file as for simulate; several are allowed")
       ->take_all();

@@ -86,7 +86,6 @@ class FlightFeeder:
         self.depth = rospy.Publisher('/camera/depth/image_raw', Image, queue_size=2)
         self.initial = rospy.Publisher('/initialpose', PoseWithCovarianceStamped, queue_size=1)
         self.tf_static.publish(mounting)
-        self.mounting = mounting
 
     def begin(self):
         """Says where the flight begins, as a user would."""

@@ -37,7 +37,7 @@ class Judge:
     def __init__(self, feeder):
         self.feeder, self.lock = feeder, threading.Lock()
         self.statuses, self.poses = {}, {}
-        self.judged, self.tracking, self.silent, self.right_in_a_row = 0, 0, [], 0
+        self.tracking, self.silent, self.right_in_a_row = 0, [], 0
         self.carried_at = None  # stamp, s
         self.state, self.problem = 'nothing yet', ''
         self.subscribers = [
