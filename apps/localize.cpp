@@ -49,6 +49,7 @@ nlohmann::json jsonOf(const LiveResult& r, const SequenceFrame& frame, double re
     j["depth_agreement"] = u.depth_agreement;
     j["depth_bias"] = u.depth_bias;
   }
+  j["injected_share"] = u.injected_share;
   j["refined_modes"] = u.refined_modes;
   j["ms"] = {
       {"reading", reading_ms},

@@ -34,6 +34,10 @@ void RecordingOptions::addTo(CLI::App* c) {
   c->add_option("--initial-pose", initial_pose,
                 "of a rawlog, or of a bag without initialpose: x,y,z,roll,pitch,yaw of the base; "
                 "metres, degrees");
+  c->add_option(
+      "--camera", camera,
+      "calibration (YAML of camera_calibration) for images of a rawlog that have none, as "
+      "MRPT's rosbag2rawlog writes them");
   c->add_flag("--depth", depth,
               "use the depth images, too (likelihood.cues = both, unless it says depth)");
   CLI::Option* without_masks =
@@ -169,6 +173,8 @@ OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
   opened.name = o.recording;
   opened.model_file = o.model;
   const RecordingKind kind = kindOf(o.recording);
+  if (!o.camera.empty() && kind != RecordingKind::kRawlog)
+    throw ParameterError("--camera belongs to a rawlog");
   if (kind == RecordingKind::kDirectory) {
     openDirectory(o, params, everything, &opened);
   } else {
@@ -176,7 +182,10 @@ OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
     if (o.model.empty()) throw InputError(o.recording + ": name the model with --model");
     if (kind == RecordingKind::kRawlog) {
       if (!o.topics.empty()) throw ParameterError("--topics belongs to a bag");
-      opened.input = std::make_unique<RawlogInput>(o.recording, !o.no_mask, depths);
+      std::optional<CameraModel> camera;
+      if (!o.camera.empty()) camera = CameraModel::fromYamlFile(o.camera);
+      opened.input =
+          std::make_unique<RawlogInput>(o.recording, !o.no_mask, depths, std::move(camera));
     } else {
 #ifdef EDGE_MCL_HAS_ROS
       BagTopics topics = parseTopics(o);

@@ -16,6 +16,7 @@ namespace edge_mcl {
 struct RecordingOptions {
   std::string recording, model, initial_std, masks, up;
   std::string topics, initial_pose;  // of a bag or rawlog
+  std::string camera;                // of a rawlog
   bool no_mask = false, depth = false, global = false;
   ParameterOptions parameters;
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "edge_mcl/core/error.h"
-#include "edge_mcl/viewer/heap_blocks.h"
+#include "edge_mcl/core/heap_blocks.h"
 #include "edge_mcl/viewer/recorded_player.h"
 #include "edge_mcl/viewer/view_recorder.h"
 #include "edge_mcl/viewer/viewer_window.h"

@@ -229,6 +229,15 @@ void Parameters::validate() const {
   require(filter.tail_share >= 0 && filter.tail_share < 1, "filter.tail_share",
           "0 up to, not including, 1");
   require(filter.tail_scale >= 1 && filter.tail_scale <= 100, "filter.tail_scale", "1 to 100");
+  require(filter.recovery_alpha_slow >= 0 && filter.recovery_alpha_slow <= 1,
+          "filter.recovery_alpha_slow", "0 to 1");
+  require(
+      filter.recovery_alpha_fast >= filter.recovery_alpha_slow && filter.recovery_alpha_fast <= 1,
+      "filter.recovery_alpha_fast", "from filter.recovery_alpha_slow to 1");
+  require((filter.recovery_alpha_slow > 0) == (filter.recovery_alpha_fast > 0),
+          "filter.recovery_alpha_slow", "zero when recovery_alpha_fast is, positive when it is");
+  require(positive(filter.recovery_std_position), "filter.recovery_std_position", "positive");
+  require(positive(filter.recovery_std_angle_deg), "filter.recovery_std_angle_deg", "positive");
   require(not_negative(tracking.update_min_d), "tracking.update_min_d", "zero or more");
   require(not_negative(tracking.update_min_a_deg), "tracking.update_min_a_deg", "zero or more");
   require(tracking.min_visible_samples >= 0, "tracking.min_visible_samples", "zero or more");

@@ -223,6 +223,10 @@ struct FilterParameters {
   double tail_share = 0.1;
   double tail_scale = 4;
   int max_passes = 5;
+  double recovery_alpha_slow = 0;
+  double recovery_alpha_fast = 0;
+  double recovery_std_position = 0.3;
+  double recovery_std_angle_deg = 8;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -253,6 +257,13 @@ struct FilterParameters {
     v("max_passes", max_passes, "",
       "an image is used in up to so many tempered passes while the particles spread wider than "
       "the normals of the refinement reach");
+    v("recovery_alpha_slow", recovery_alpha_slow, "",
+      "weight of an image in the slow average of the likelihood per line; particles are injected "
+      "in proportion as the fast average falls below the slow one; 0 = never");
+    v("recovery_alpha_fast", recovery_alpha_fast, "", "likewise, in the fast average");
+    v("recovery_std_position", recovery_std_position, "m",
+      "injected particles are spread so much wider than motion explains, per axis");
+    v("recovery_std_angle_deg", recovery_std_angle_deg, "deg", "likewise, rotation");
   }
 };
 

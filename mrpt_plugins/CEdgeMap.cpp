@@ -32,6 +32,12 @@ void CEdgeMap::load(const std::string& model_file, const Parameters& params) {
   cache_ = std::make_shared<ImageCache>();
 }
 
+void CEdgeMap::useCamera(const std::string& camera_file) {
+  camera_.reset();
+  if (!camera_file.empty()) camera_ = CameraModel::fromYamlFile(camera_file);
+  camera_file_ = camera_file;
+}
+
 const LocalizationMap& CEdgeMap::localization() const {
   if (!map_) throw Error("edge map: no model is loaded");
   return *map_;
@@ -62,7 +68,9 @@ void CEdgeMap::TMapDefinition::loadFromConfigFile_map_specific(
   const std::vector<std::string> of_mrpt = {"enableSaveAs3DObject", "enableObservationLikelihood",
                                             "enableObservationInsertion"};
   for (const std::string& key : keys) {
-    if (key == "model_file" || std::count(of_mrpt.begin(), of_mrpt.end(), key)) continue;
+    if (key == "model_file" || key == "camera_file" ||
+        std::count(of_mrpt.begin(), of_mrpt.end(), key))
+      continue;
     try {
       params.set(key, withoutComment(source.read_string(section, key, "")));
     } catch (const ParameterError& e) {
@@ -70,6 +78,7 @@ void CEdgeMap::TMapDefinition::loadFromConfigFile_map_specific(
     }
   }
   model_file = withoutComment(source.read_string(section, "model_file", ""));
+  camera_file = withoutComment(source.read_string(section, "camera_file", ""));
   if (model_file.empty())
     faults += (faults.empty() ? "" : "; ") + ("[" + section + "] has no model_file");
   if (!faults.empty()) throw ParameterError("edge map: " + faults);
@@ -77,21 +86,24 @@ void CEdgeMap::TMapDefinition::loadFromConfigFile_map_specific(
 }
 
 void CEdgeMap::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out) const {
-  out << "model_file = " << model_file << "\n" << params.toYaml();
+  out << "model_file = " << model_file << "\ncamera_file = " << camera_file << "\n"
+      << params.toYaml();
 }
 
 mrpt::maps::CMetricMap* CEdgeMap::internal_CreateFromMapDefinition(
     const mrpt::maps::TMetricMapInitializer& definition) {
   const auto& d = dynamic_cast<const CEdgeMap::TMapDefinition&>(definition);
-  return new CEdgeMap(d.model_file, d.params);
+  auto map = std::make_unique<CEdgeMap>(d.model_file, d.params);
+  map->useCamera(d.camera_file);
+  return map.release();
 }
 
 // ---- Serialization: the file's name and the parameters; the model itself stays on disk.
 
-uint8_t CEdgeMap::serializeGetVersion() const { return 0; }
+uint8_t CEdgeMap::serializeGetVersion() const { return 1; }
 
 void CEdgeMap::serializeTo(mrpt::serialization::CArchive& out) const {
-  out << model_file_;
+  out << model_file_ << camera_file_;
   const Parameters params = map_ ? map_->params() : Parameters();
   const auto values = params.describe();
   out << static_cast<uint32_t>(values.size());
@@ -99,10 +111,12 @@ void CEdgeMap::serializeTo(mrpt::serialization::CArchive& out) const {
 }
 
 void CEdgeMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
-  if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
-  std::string file;
+  if (version > 1) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
+  std::string file, camera_file;
   uint32_t count = 0;
-  in >> file >> count;
+  in >> file;
+  if (version >= 1) in >> camera_file;
+  in >> count;
   Parameters params;
   for (uint32_t i = 0; i < count; ++i) {
     std::string name, value;
@@ -111,6 +125,7 @@ void CEdgeMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version)
   }
   internal_clear();
   if (!file.empty()) load(file, params);
+  useCamera(camera_file);
 }
 
 // ---- Observations
@@ -119,7 +134,7 @@ std::vector<CameraView> CEdgeMap::views(const mrpt::obs::CObservation& obs) cons
   std::vector<CameraView> result;
   const std::lock_guard<std::mutex> lock(cache_->mutex);
   if (localization().usesImages())
-    if (const auto image = imageOf(obs)) {
+    if (const auto image = imageOf(obs, camera_ ? &*camera_ : nullptr)) {
       const uint64_t key = keyOf(obs, image->pixels, image->mask);
       if (!cache_->image || cache_->image_key != key) {
         cache_->image = map_->prepare(image->camera, image->pixels, image->mask, originOf(obs));
@@ -164,6 +179,8 @@ bool CEdgeMap::internal_insertObservation(const mrpt::obs::CObservation&,
 void CEdgeMap::internal_clear() {
   map_.reset();
   model_file_.clear();
+  camera_file_.clear();
+  camera_.reset();
   cache_ = std::make_shared<ImageCache>();
 }
 

@@ -26,6 +26,7 @@ namespace edge_mcl {
 /// edge_mcl::CEdgeMap_count = 1
 /// [MetricMap_edge_mcl::CEdgeMap_00_creationOpts]
 /// model_file = building.obj
+/// camera_file = camera.yaml       ; calibration of images that come without; may be left out
 /// likelihood.model = robust       ; any parameter of `edge-mcl parameters`
 /// @endcode
 /// The library must be loaded before MRPT reads the file: link to it, or LD_PRELOAD it.
@@ -41,6 +42,8 @@ class CEdgeMap : public mrpt::maps::CMetricMap {
   CEdgeMap(const std::string& model_file, const Parameters& params);
 
   void load(const std::string& model_file, const Parameters& params);
+  /// Calibration of images that come without. Empty: they are an error. @throws InputError
+  void useCamera(const std::string& camera_file);
   /// @throws Error when no model is loaded.
   const LocalizationMap& localization() const;
   const std::string& modelFile() const { return model_file_; }
@@ -69,7 +72,8 @@ class CEdgeMap : public mrpt::maps::CMetricMap {
       const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& taken_from) const override;
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
 
-  std::string model_file_;
+  std::string model_file_, camera_file_;
+  std::optional<CameraModel> camera_;
   std::shared_ptr<const LocalizationMap> map_;
 
   /// The last image and depth, recognised by address, time and a sample of the image's pixels.
@@ -82,7 +86,7 @@ class CEdgeMap : public mrpt::maps::CMetricMap {
   std::shared_ptr<ImageCache> cache_ = std::make_shared<ImageCache>();
 
   MAP_DEFINITION_START(CEdgeMap)
-  std::string model_file;
+  std::string model_file, camera_file;
   Parameters params;
   MAP_DEFINITION_END(CEdgeMap)
 };

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -137,8 +138,8 @@ void GlobalLocalizer::follow() {
   const Keyframe& now = keyframes_.back();
   tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
-    const FoundPose found =
-        search_.follow(now.seen, predicted(h.history.back(), now.motion, now.variance));
+    h.expected = predicted(h.history.back(), now.motion, now.variance);
+    const FoundPose found = search_.follow(now.seen, h.expected);
     h.pose = found.pose;
     h.total += found.log_likelihood;
     h.history.push_back(found);
@@ -169,6 +170,7 @@ std::vector<Pose> GlobalLocalizer::candidates() {
   const auto add = [&](const std::vector<Pose>& more) {
     found.insert(found.end(), more.begin(), more.end());
   };
+  add(alongWhatWasOpen());
   if (only_guess_) return found;
   // What so many looks have not found, the next will hardly find.
   constexpr int kEager = 12, kSeldom = 4;
@@ -178,6 +180,30 @@ std::vector<Pose> GlobalLocalizer::candidates() {
   const bool even = look % 2 == 0;
   if (!even || look == 2) add(search_.everywhere(views, up_, &random_));
   if (even && !hypotheses_.empty()) add(search_.everywhere(views, up_, rotations(), &random_));
+  return found;
+}
+
+std::vector<Pose> GlobalLocalizer::alongWhatWasOpen() const {
+  // Along a wall's only lines a pose may be anywhere. The next image that shows more fixes it, and
+  // a hypothesis that is followed finds the nearest of the places that look alike (shelves, steps).
+  constexpr size_t kMost = 4;                   // hypotheses
+  constexpr double kOpen = 0.12, kStep = 0.12;  // m
+  constexpr double kFarthest = 1.5;             // standard deviations
+  std::vector<Pose> found;
+  for (size_t i = 0; i < std::min(kMost, hypotheses_.size()); ++i) {
+    const Hypothesis& h = hypotheses_[i];
+    if (h.followed == 0) continue;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+        h.expected.covariance.topLeftCorner<3, 3>());
+    const double sigma = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+    if (sigma < kOpen) continue;
+    for (double offset = kStep; offset <= kFarthest * sigma; offset += kStep)
+      for (const double sign : {-1.0, 1.0}) {
+        Pose pose = h.expected.mean;
+        pose.translation() += pose.linear() * (sign * offset * axes.eigenvectors().col(2));
+        found.push_back(pose);
+      }
+  }
   return found;
 }
 
@@ -316,10 +342,18 @@ SearchReport GlobalLocalizer::judge() const {
   }
   if (with_depth > 0)
     explained = explained && report.depth_agreement >= map_.params().tracking.min_depth_agreement;
+  // Shelves and stairs look alike a step farther: while neighbours explain the images about as
+  // well, the pose is not known.
+  constexpr double kNeighbour = 0.12, kNeighbourAngle = 3 * kDegree, kMuchBetter = 0.3;
+  const bool one_of_several =
+      std::any_of(hypotheses_.begin() + 1, hypotheses_.end(), [&](const Hypothesis& h) {
+        return h.total > best.total - kMuchBetter * min_margin &&
+               !isNear(h.pose, best.pose, kNeighbour, kNeighbourAngle);
+      });
   // What was found just now was chosen to fit; only images that come later can contradict it.
   constexpr int kFollowed = 2;  // keyframes
   report.converged = keyframe_count_ >= p.min_keyframes && best.followed >= kFollowed &&
-                     explained && report.margin >= min_margin;
+                     explained && report.margin >= min_margin && !one_of_several;
   return report;
 }
 

@@ -61,6 +61,7 @@ class GlobalLocalizer {
     std::deque<FoundPose> history;  ///< of every keyframe, newest last
     double total = 0;               ///< nats
     int followed = 0;               ///< keyframes since it was found
+    PoseGaussian expected;          ///< at the newest keyframe, before its images; if followed
   };
 
   bool isNewView() const;
@@ -69,6 +70,7 @@ class GlobalLocalizer {
   void look();
   std::vector<CameraView> rig() const;
   std::vector<Pose> candidates();
+  std::vector<Pose> alongWhatWasOpen() const;
   std::vector<Eigen::Matrix3d> rotations() const;
   Hypothesis backwards(const FoundPose& found) const;
   void sortAndPrune();

@@ -56,14 +56,21 @@ bool hasDepth(const mrpt::obs::CObservation& obs) {
   return scan && scan->hasRangeImage;
 }
 
-std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs) {
+std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs,
+                                     const CameraModel* calibration) {
+  const auto cameraOf = [&](const mrpt::img::TCamera& own) {
+    const bool has_none = own.fx() == 0 && own.fy() == 0;
+    if (!has_none) return toCameraModel(own, originOf(obs));
+    if (calibration) return *calibration;
+    throw InputError(originOf(obs) + ": it has no calibration, and none was given");
+  };
   if (!hasImage(obs)) return std::nullopt;
   const std::string origin = originOf(obs);
   ObservedImage result;
   obs.load();
   if (const auto* image = dynamic_cast<const CObservationImage*>(&obs)) {
     result.pixels = pixelsOf(image->image, origin);
-    result.camera = toCameraModel(image->cameraParams, origin);
+    result.camera = cameraOf(image->cameraParams);
     result.T_base_camera = toPose(image->cameraPose);
     const auto* masked = dynamic_cast<const CObservationMaskedImage*>(image);
     if (masked && !masked->ignore_mask.isEmpty())
@@ -72,7 +79,7 @@ std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs) {
   }
   const auto& scan = dynamic_cast<const CObservation3DRangeScan&>(obs);
   result.pixels = pixelsOf(scan.intensityImage, origin);
-  result.camera = toCameraModel(scan.cameraParamsIntensity, origin);
+  result.camera = cameraOf(scan.cameraParamsIntensity);
   result.T_base_camera = toPose(scan.sensorPose + scan.relativePoseIntensityWRTDepth);
   return result;
 }

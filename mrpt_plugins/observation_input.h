@@ -32,8 +32,10 @@ bool hasImage(const mrpt::obs::CObservation& obs);
 bool hasDepth(const mrpt::obs::CObservation& obs);
 
 /// The image of a CObservationImage, a CObservationMaskedImage or a CObservation3DRangeScan;
-/// nothing for others. @throws InputError on a broken image or camera.
-std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs);
+/// nothing for others. @param calibration of images that come without, as MRPT's rosbag2rawlog
+/// writes them; may be null. @throws InputError on a broken image or camera.
+std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs,
+                                     const CameraModel* calibration);
 /// The range image of a CObservation3DRangeScan; nothing for others. @throws InputError likewise.
 std::optional<ObservedDepth> depthOf(const mrpt::obs::CObservation& obs);
 

@@ -20,6 +20,8 @@ double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+double square(double x) { return x * x; }
+
 }  // namespace
 
 PoseFilter::PoseFilter(FilterParameters filter, RefinementParameters refinement)
@@ -38,6 +40,7 @@ void PoseFilter::initialize(const PoseGaussian& gaussian) {
   velocity_.setZero();
   noise_variance_.setZero();
   depth_biases_.clear();  // learnt at a pose that was perhaps wrong
+  edges_fit_ = depth_fit_ = RecoveryAverages();
 }
 
 void PoseFilter::initialize(const Pose& mean, double std_position, double std_angle) {
@@ -60,6 +63,7 @@ void PoseFilter::setParticles(std::vector<Pose> poses, std::vector<double> log_w
   last_estimate_.reset();
   velocity_.setZero();
   depth_biases_.clear();
+  edges_fit_ = depth_fit_ = RecoveryAverages();
 }
 
 std::vector<double> PoseFilter::normalizedWeights() const { return normalize(log_weights_); }
@@ -128,10 +132,20 @@ void PoseFilter::trackVelocity() {
   constexpr double kShortest = 0.005;  // s
   if (last_estimate_ && since_last_estimate_ < kShortest) return;
   if (last_estimate_) {
-    const Twist newest = logSe3(last_estimate_->inverse() * estimate_.mean) / since_last_estimate_;
-    velocity_ += params_.velocity_smoothing * (newest - velocity_);
+    // While the filter converges its estimates jump; what they say of the velocity is then worth
+    // little against what was known before.
+    constexpr double kUsualSpeed = 1, kUsualTurn = 1;  // m/s, rad/s; standard deviations
+    const Twist newest =
+        logSe3(last_estimate_->mean.inverse() * estimate_.mean) / since_last_estimate_;
+    for (int i = 0; i < 6; ++i) {
+      const double known = square(i < 3 ? kUsualSpeed : kUsualTurn);
+      const double noise = (last_estimate_->covariance(i, i) + estimate_.covariance(i, i)) /
+                           square(since_last_estimate_);
+      velocity_[i] +=
+          params_.velocity_smoothing * known / (known + noise) * (newest[i] - velocity_[i]);
+    }
   }
-  last_estimate_ = estimate_.mean;
+  last_estimate_ = estimate_;
   since_last_estimate_ = 0;
 }
 
@@ -150,9 +164,14 @@ std::vector<size_t> evenShare(size_t n, double share, double phase) {
 
 }  // namespace
 
-void PoseFilter::drawTails(const PredictiveDensity& predictive) {
-  for (size_t i : evenShare(poses_.size(), params_.tail_share, 0.5))
-    poses_[i] = predictive.drawTail(&random_);
+double PoseFilter::shareToInject() const {
+  // Motion as expected keeps its say, however bad the images.
+  constexpr double kMost = 0.5;
+  return std::min(std::max(edges_fit_.shareToInject(), depth_fit_.shareToInject()), kMost);
+}
+
+void PoseFilter::drawTails(const PredictiveDensity& predictive, double share) {
+  for (size_t i : evenShare(poses_.size(), share, 0.5)) poses_[i] = predictive.drawTail(&random_);
 }
 
 void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
@@ -307,16 +326,22 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
     view.thinning = map.thinningFor(view, estimate_.mean,
                                     static_cast<size_t>(map.params().likelihood.max_samples));
   std::optional<PredictiveDensity> predictive;
+  report.injected_share = shareToInject();
+  Twist injected = Twist::Zero();  // variance
+  if (report.injected_share > 0)
+    injected << Eigen::Vector3d::Constant(square(params_.recovery_std_position)),
+        Eigen::Vector3d::Constant(square(params_.recovery_std_angle_deg * M_PI / 180));
   for (int pass = 0; pass < params_.max_passes; ++pass) {
     // What motion can surprise with: its noise, `tail_scale` times wider.
+    const bool usual_tails = refinement_.enabled && !noise_variance_.isZero();
+    const double tails = std::max(usual_tails ? params_.tail_share : 0, report.injected_share);
     const Matrix6 extra =
-        ((params_.tail_scale * params_.tail_scale - 1) * noise_variance_).asDiagonal();
-    const bool tails = refinement_.enabled && !noise_variance_.isZero();
-    const PredictiveDensity before(meanAndCovariance(poses_, normalizedWeights()),
-                                   tails ? params_.tail_share : 0, extra);
+        Twist((square(params_.tail_scale) - 1) * noise_variance_ + injected).asDiagonal();
+    const PredictiveDensity before(meanAndCovariance(poses_, normalizedWeights()), tails, extra);
     noise_variance_.setZero();
+    injected.setZero();
     if (pass == 0) predictive.emplace(before);
-    if (tails) drawTails(before);
+    if (tails > 0) drawTails(before, tails);
     weigh(map, views, thinned, before, 1 - report.tempering, &report);
     ++report.passes;
     const std::vector<double> weights = normalizedWeights();
@@ -342,6 +367,8 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
   if (at_estimate.depth_points > 0)
     report.depth_agreement =
         static_cast<double>(at_estimate.depth_points_on_model / at_estimate.depth_points);
+  if (report.visible_lines > 0) edges_fit_.add(report.evidence_per_line, params_);
+  if (report.depth_points > 0) depth_fit_.add(report.depth_agreement, params_);
   if (report.has_information) {
     learnBias(map, views, &report);
     trackVelocity();

@@ -11,6 +11,7 @@
 #include "edge_mcl/core/random_source.h"
 #include "edge_mcl/core/se3.h"
 #include "edge_mcl/mrpt_plugins/mode_proposal.h"
+#include "edge_mcl/mrpt_plugins/recovery_averages.h"
 #include "edge_mcl/mrpt_plugins/tilt_correction.h"
 
 namespace edge_mcl {
@@ -30,6 +31,7 @@ struct UpdateReport {
   double depth_bias = 0;         ///< 1/m, see DepthBias: what the filter has learnt of it
   double depth_agreement = 0;    ///< share of them on the model, at the estimate
   int refined_modes = 0;         ///< poses that particles were drawn around
+  double injected_share = 0;     ///< of the particles, see RecoveryAverages
   int passes = 0;                ///< how often the image was used, with exponents below one
   bool has_information = false;  ///< false: nothing of the model in the images; only predicted
   double likelihood_ms = 0, refinement_ms = 0, total_ms = 0;
@@ -84,7 +86,8 @@ class PoseFilter {
              double remaining_exponent, UpdateReport* report);
   bool spreadBeyondNormals(const LocalizationMap& map, const std::vector<CameraView>& views,
                            const PoseGaussian& cloud) const;
-  void drawTails(const PredictiveDensity& predictive);
+  double shareToInject() const;
+  void drawTails(const PredictiveDensity& predictive, double share);
   void spreadCopies(const PoseGaussian& cloud);
   PoseScore sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
                             const PoseGaussian& cloud, const PredictiveDensity& predictive,
@@ -101,7 +104,8 @@ class PoseFilter {
   std::vector<double> log_weights_;
   PoseGaussian estimate_;
   std::map<uint32_t, DepthBias> depth_biases_;  // by CameraView::depth_sensor
-  std::optional<Pose> last_estimate_;
+  RecoveryAverages edges_fit_, depth_fit_;
+  std::optional<PoseGaussian> last_estimate_;
   double since_last_estimate_ = 0;        // seconds
   Twist noise_variance_ = Twist::Zero();  // added by prediction since the last update
   Twist velocity_ = Twist::Zero();        // base frame, per second

@@ -1,6 +1,7 @@
 /// When images that fit a pose are proof of it.
 #pragma once
 
+#include <deque>
 #include <optional>
 
 #include "edge_mcl/core/parameters.h"
@@ -18,8 +19,9 @@ struct ImageVerdict {
 };
 
 /// One image that fits is enough while a pose is followed. It is chance after several images that
-/// did not fit, or when the pose that it fits is not where odometry has brought the last trusted
-/// one: somebody may have carried the robot, and two lines fit in many places.
+/// did not fit, or when the pose that it fits is not where odometry has brought the trusted ones of
+/// the last second: somebody may have carried the robot, and two lines fit in many places. So it is
+/// when suddenly less is seen of the few lines in view.
 class PoseProof {
  public:
   explicit PoseProof(const Parameters& params);
@@ -36,11 +38,21 @@ class PoseProof {
   bool weigh(const ImageVerdict& image, const PoseGaussian& estimate);
 
  private:
+  struct Anchor {
+    double time;        // s
+    PoseGaussian pose;  // trusted then, moved by odometry since
+  };
+
+  bool isFarFrom(const PoseGaussian& expected, const PoseGaussian& estimate) const;
   bool isElsewhere(const PoseGaussian& estimate) const;
+  bool showsLess(const ImageVerdict& image) const;
+  void trust(const ImageVerdict& image, const PoseGaussian& estimate);
 
   const double enough_ratio_;  // match ratio that needs no more time; 0: there are no images
   bool needed_ = false;
   std::optional<PoseGaussian> expected_;  // the last one that was trusted, moved by odometry
+  std::deque<Anchor> anchors_;            // those before it, oldest first
+  double usual_ratio_ = 0;                // mean match ratio of the last trusted images
   std::optional<double> since_;           // without a gap all images fit
   int doubts_ = 0;                        // images in a row that did not
   int images_ = 0;                        // that did

@@ -11,9 +11,11 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <utility>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
@@ -29,8 +31,12 @@ struct RawlogInput::Impl {
   mrpt::io::CFileGZInputStream stream;
   std::optional<PoseGaussian> initial;  // never
   Trajectory truth;
-  size_t images = 0;
+  std::optional<CameraModel> camera;
+  size_t images = 0, ranges = 0;
   std::optional<Pose> odometry;
+  bool trusts_actions = true;
+  bool warned = false;
+  mrpt::serialization::CSerializable::Ptr pending;  // read, of the next moment
 
   void open() {
     // MRPT's stream fails in ways of its own.
@@ -51,15 +57,22 @@ struct RawlogInput::Impl {
     }
   }
 
-  void move(const mrpt::obs::CActionCollection& actions) {
-    mrpt::poses::CPose3D step;
+  static std::optional<Pose> motionOf(const mrpt::obs::CActionCollection& actions) {
     if (const auto in_space = actions.getActionByClass<mrpt::obs::CActionRobotMovement3D>())
-      step = in_space->poseChange.mean;
-    else if (const auto in_plane = actions.getBestMovementEstimation())
-      step = mrpt::poses::CPose3D(in_plane->poseChange->getMeanVal());
-    else
-      return;
-    odometry = normalized(odometry.value_or(Pose::Identity()) * toPose(step));
+      return toPose(in_space->poseChange.mean);
+    if (const auto in_plane = actions.getBestMovementEstimation())
+      return toPose(mrpt::poses::CPose3D(in_plane->poseChange->getMeanVal()));
+    return std::nullopt;
+  }
+
+  void move(const mrpt::obs::CActionCollection& actions) {
+    const auto step = trusts_actions ? motionOf(actions) : std::nullopt;
+    if (step) odometry = normalized(odometry.value_or(Pose::Identity()) * *step);
+  }
+
+  void look(const CObservation& obs) {
+    const auto* message = dynamic_cast<const mrpt::obs::CObservationOdometry*>(&obs);
+    if (message != nullptr) odometry = toPose(mrpt::poses::CPose3D(message->odometry));
   }
 
   static double timeOf(const CObservation& obs) { return mrpt::Clock::toDouble(obs.timestamp); }
@@ -75,17 +88,29 @@ struct RawlogInput::Impl {
   }
 
   void survey() {
+    // rosbag2rawlog of MRPT 2.5 puts odometry through MRPT's 6-DoF motion model, which makes turns
+    // of sideways motion: most of its steps turn by more than anything that flies does.
+    constexpr double kWild = 0.5;  // rad
+    size_t steps = 0, wild_steps = 0;
     open();
-    while (const auto object = read())
+    while (const auto object = read()) {
+      if (const auto actions = std::dynamic_pointer_cast<mrpt::obs::CActionCollection>(object)) {
+        const auto step = motionOf(*actions);
+        steps += step ? 1 : 0;
+        wild_steps += step && rotationAngle(Pose::Identity(), *step) > kWild ? 1 : 0;
+      }
       each(object, [&](const CObservation& obs) {
         images += hasImage(obs) ? 1 : 0;
+        ranges += hasDepth(obs) ? 1 : 0;
         const auto* pose = dynamic_cast<const mrpt::obs::CObservationRobotPose*>(&obs);
         if (pose == nullptr) return;
         char time[32];
         std::snprintf(time, sizeof time, "%.6f", timeOf(obs));
         truth.push_back({timeOf(obs), time, toPose(pose->pose.mean)});
       });
-    if (images == 0) throw InputError(name + ": no images in it");
+    }
+    trusts_actions = 2 * wild_steps <= steps;
+    if (images == 0 && !(depths && ranges > 0)) throw InputError(name + ": no images in it");
     std::stable_sort(truth.begin(), truth.end(),
                      [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
     stream.close();
@@ -93,7 +118,7 @@ struct RawlogInput::Impl {
   }
 
   void add(const CObservation& obs, LiveInput* input) const {
-    if (const auto image = imageOf(obs)) {
+    if (const auto image = imageOf(obs, camera ? &*camera : nullptr)) {
       LiveInput::View view;
       view.camera = image->camera;
       view.T_base_camera = image->T_base_camera;
@@ -106,6 +131,7 @@ struct RawlogInput::Impl {
     }
     if (!depths) return;
     if (const auto depth = depthOf(obs)) {
+      if (images == 0) input->time = timeOf(obs);
       LiveInput::Depth d{depth->image, depth->T_base_camera, 0};
       d.image.depth = depth->image.depth.clone();
       if (d.image.mask) d.image.mask->pixels = d.image.mask->pixels.clone();
@@ -114,17 +140,19 @@ struct RawlogInput::Impl {
   }
 };
 
-RawlogInput::RawlogInput(const std::string& file, bool masks, bool depths)
+RawlogInput::RawlogInput(const std::string& file, bool masks, bool depths,
+                         std::optional<CameraModel> camera)
     : impl_(std::make_unique<Impl>()) {
   impl_->name = file;
   impl_->masks = masks;
   impl_->depths = depths;
+  impl_->camera = std::move(camera);
   impl_->survey();
 }
 
 RawlogInput::~RawlogInput() = default;
 
-size_t RawlogInput::imageCount() const { return impl_->images; }
+size_t RawlogInput::imageCount() const { return impl_->images > 0 ? impl_->images : impl_->ranges; }
 const std::optional<PoseGaussian>& RawlogInput::initialPose() const { return impl_->initial; }
 const Trajectory& RawlogInput::truth() const { return impl_->truth; }
 
@@ -132,26 +160,68 @@ bool RawlogInput::next(LiveInput* input, std::string* problem) {
   Impl& m = *impl_;
   *input = {};
   problem->clear();
-  while (const auto object = m.read()) {
-    if (const auto actions = std::dynamic_pointer_cast<mrpt::obs::CActionCollection>(object))
-      m.move(*actions);
-    bool seen = false;
-    Impl::each(object, [&](const CObservation& obs) {
-      if (const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(&obs))
-        m.odometry = toPose(mrpt::poses::CPose3D(odometry->odometry));
-      try {
-        seen |= hasImage(obs);
-        m.add(obs, input);
-      } catch (const InputError& e) {
-        input->time = Impl::timeOf(obs);
-        *problem = e.what();
-      }
-    });
-    if (!seen) continue;
+  if (!m.trusts_actions && !std::exchange(m.warned, true))
+    *problem = m.name + ": its odometry turns by more than 30 degrees at most steps, not used";
+  // What single observations of this moment are there.
+  bool has_image = false, has_depth = false;
+  double time = 0;
+  const auto use = [&](const CObservation& obs) {
+    try {
+      m.add(obs, input);
+    } catch (const InputError& e) {
+      input->time = Impl::timeOf(obs);
+      *problem = e.what();
+    }
     input->odometry = m.odometry;
-    return true;
+  };
+  const auto isComplete = [&] { return m.images > 0 ? has_image : has_depth; };
+  const auto joins = [&](const CObservation& obs) {
+    if (!has_image && !has_depth) return true;
+    return std::abs(Impl::timeOf(obs) - time) <= kDepthWindow && !(hasImage(obs) && has_image) &&
+           !(hasDepth(obs) && has_depth);
+  };
+  const auto take = [&](const CObservation& obs) {
+    has_image = has_image || hasImage(obs);
+    has_depth = has_depth || hasDepth(obs);
+    time = Impl::timeOf(obs);
+    use(obs);
+  };
+  // An image may be followed by the range image of its time only if there are any.
+  while (!(isComplete() && (m.ranges == 0 || m.images == 0 || has_depth))) {
+    const auto object = m.pending ? std::exchange(m.pending, nullptr) : m.read();
+    if (!object) return isComplete();
+    if (const auto actions = std::dynamic_pointer_cast<mrpt::obs::CActionCollection>(object)) {
+      m.move(*actions);
+    } else if (const auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object)) {
+      bool seen = false;
+      for (const CObservation::Ptr& obs : *frame)
+        seen |= m.images > 0 ? hasImage(*obs) : hasDepth(*obs);
+      for (const CObservation::Ptr& obs : *frame) m.look(*obs);
+      if (!seen) continue;
+      if (isComplete()) {
+        m.pending = frame;
+        return true;
+      }
+      *input = {};
+      for (const CObservation::Ptr& obs : *frame) use(*obs);
+      return true;
+    } else if (const auto obs = std::dynamic_pointer_cast<CObservation>(object)) {
+      m.look(*obs);
+      if (!hasImage(*obs) && !hasDepth(*obs)) continue;
+      if (joins(*obs)) {
+        take(*obs);
+      } else if (isComplete()) {
+        m.pending = obs;
+        return true;
+      } else {
+        // A range image without its image.
+        *input = {};
+        has_image = has_depth = false;
+        take(*obs);
+      }
+    }
   }
-  return false;
+  return true;
 }
 
 }  // namespace edge_mcl

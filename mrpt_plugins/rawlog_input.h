@@ -9,12 +9,15 @@ namespace edge_mcl {
 
 /// Reads actions and sensory frames, or single observations, in the order of the file: images (with
 /// their masks), range images, odometry (2D or 3D, of actions or observations) and, as ground
-/// truth, CObservationRobotPose.
+/// truth, CObservationRobotPose. A single image and a single range image of the same time are one
+/// moment. In a file without images the range images are the moments.
 class RawlogInput : public RecordedInput {
  public:
-  /// Reads the file once for its truth and the number of images. @throws InputError when it is no
-  /// rawlog or has no images.
-  RawlogInput(const std::string& file, bool masks, bool depths);
+  /// Reads the file once for its truth and the number of images. @param camera calibration of
+  /// images that come without. @throws InputError when it is no rawlog or has neither images nor,
+  /// with `depths`, range images.
+  RawlogInput(const std::string& file, bool masks, bool depths,
+              std::optional<CameraModel> camera = std::nullopt);
   ~RawlogInput() override;
   size_t imageCount() const override;
   /// A rawlog does not say.

@@ -6,12 +6,14 @@
 #include <functional>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/heap_blocks.h"
 
 namespace edge_mcl {
 
 /// Runs a node; what it throws becomes one line on the console and in rosout. @return exit code: 2
 /// for wrong parameters, 3 for broken input.
 inline int runNode(int argc, char** argv, const char* name, const std::function<void()>& node) {
+  giveLargeBlocksBack();
   ros::init(argc, argv, name);
   // While a handle is there, messages still get out.
   const ros::NodeHandle keep_alive;

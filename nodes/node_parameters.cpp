@@ -144,6 +144,10 @@ void applyParameters(const std::map<std::string, std::string>& values, NodeParam
     }
   }
   if (values.count("update_min_d")) method->tracking.update_min_d = node->update_min_d;
+  if (values.count("recovery_alpha_slow"))
+    method->filter.recovery_alpha_slow = node->recovery_alpha_slow;
+  if (values.count("recovery_alpha_fast"))
+    method->filter.recovery_alpha_fast = node->recovery_alpha_fast;
   if (values.count("update_min_a"))
     method->tracking.update_min_a_deg = node->update_min_a * 180 / M_PI;
   for (const auto validate : {0, 1}) {

@@ -34,6 +34,7 @@ struct NodeParameters {
   int max_cloud_poses = 500;
   double save_pose_rate = 0.5;
   double update_min_d = 0, update_min_a = 0;
+  double recovery_alpha_slow = 0, recovery_alpha_fast = 0;
   double initial_pose_x = 0, initial_pose_y = 0, initial_pose_z = 0;
   double initial_pose_roll = 0, initial_pose_pitch = 0, initial_pose_a = 0;
   double initial_cov_xx = 0.04, initial_cov_yy = 0.04, initial_cov_zz = 0.04;
@@ -68,6 +69,8 @@ struct NodeParameters {
       "how often the pose is stored in initial_pose_*; 0 = never");
     v("update_min_d", update_min_d, "m", "motion before images are used again; 0 = all are used");
     v("update_min_a", update_min_a, "rad", "likewise, rotation");
+    v("recovery_alpha_slow", recovery_alpha_slow, "", "as filter/recovery_alpha_slow");
+    v("recovery_alpha_fast", recovery_alpha_fast, "", "as filter/recovery_alpha_fast");
     v("initial_pose_x", initial_pose_x, "m",
       "where to begin; without any of these, wait for initialpose");
     v("initial_pose_y", initial_pose_y, "m", "");

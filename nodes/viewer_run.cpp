@@ -6,7 +6,6 @@
 #include "edge_mcl/nodes/node_parameters.h"
 #include "edge_mcl/nodes/private_parameters.h"
 #include "edge_mcl/nodes/viewer_node.h"
-#include "edge_mcl/viewer/heap_blocks.h"
 #include "edge_mcl/viewer/view_recorder.h"
 #include "edge_mcl/viewer/viewer_window.h"
 
@@ -67,7 +66,6 @@ void record(const ViewerNodeParameters& params, const LocalizationMap* map, Live
 }  // namespace
 
 void runViewer(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
-  giveLargeBlocksBack();
   auto params = readParameterStruct<ViewerNodeParameters>(private_nh);
   const Parameters method = adoptFromLocalizer(nh, &params);
   std::unique_ptr<LocalizationMap> map;

@@ -36,7 +36,7 @@ class Followed : public testing::Test {
 
 TEST_F(Followed, EveryImageThatFitsIsEnough) {
   proof_.begin(false);
-  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0.002 * i));
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0.002 * i));  // 2 cm/s
   EXPECT_FALSE(image(0.04, false));
   EXPECT_TRUE(image(0.04));
 }
@@ -48,10 +48,10 @@ TEST_F(Followed, ABadStartTakesASecond) {
   EXPECT_TRUE(image(0));
 }
 
-TEST_F(Followed, AfterThreeDoubtsOneImageIsChance) {
+TEST_F(Followed, AfterTwoDoubtsOneImageIsChance) {
   proof_.begin(false);
   EXPECT_TRUE(image(0));
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(image(0, false));
+  for (int i = 0; i < 2; ++i) EXPECT_FALSE(image(0, false));
   EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
 }
 
@@ -73,6 +73,36 @@ TEST_F(Followed, AfterADoubtLessIsSuspect) {
   EXPECT_TRUE(image(0.2));
   EXPECT_FALSE(image(0.2, false));
   EXPECT_FALSE(image(0));
+}
+
+TEST_F(Followed, APoseThatSlidesAgainstOdometryIsNotTrustedForLong) {
+  // 8 cm per image, while the image leaves it uncertain by 20 cm: each step alone is likely.
+  proof_.begin(false);
+  PoseGaussian pose = at(0);
+  EXPECT_TRUE(image(0));
+  int trusted = 0;
+  for (int i = 1; i <= 20; ++i) {
+    proof_.move(Pose::Identity(), odometryNoise(Parameters().filter, Pose::Identity(), 0.1));
+    time_ += 0.1;
+    pose.mean.translation().x() = 0.08 * i;
+    pose.covariance(0, 0) = 0.04;
+    trusted += proof_.weigh({time_, true, true, 0.9, 20}, pose) ? 1 : 0;
+  }
+  // From the first pose, of 1 cm, with 5 cm of tolerance and 1 cm of odometry per image, 0.35 m
+  // are farther than 40 of chi-square: five steps.
+  EXPECT_GE(trusted, 1);
+  EXPECT_LE(trusted, 5);
+}
+
+TEST_F(Followed, WhenSuddenlyLessIsSeenOfFewLinesItTakesLonger) {
+  proof_.begin(false);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(image(0, true, 4, 0.95));
+  EXPECT_TRUE(image(0, true, 4, 0.85));
+  EXPECT_FALSE(image(0, true, 4, 0.6));
+  // Of many lines it is no surprise.
+  proof_.begin(false);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(image(0, true, 20, 0.95));
+  EXPECT_TRUE(image(0, true, 20, 0.6));
 }
 
 TEST_F(Followed, ItMayMoveAsOdometrySays) {

@@ -1,4 +1,4 @@
-/// Memory of programs that draw for hours.
+/// Memory of programs that handle pictures for hours.
 #pragma once
 
 namespace edge_mcl {

@@ -1,4 +1,4 @@
-#include "edge_mcl/viewer/heap_blocks.h"
+#include "edge_mcl/core/heap_blocks.h"
 
 #include <malloc.h>
 
