@@ -318,12 +318,16 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     judge(input.time, trusted, result->updated);
     if (trusted) searching_ = false;
     if (state_ == LocalizerState::kLost) {
-      // In the dark nothing speaks against the pose; the first image that fits will do, unless the
-      // particles have spread too far meanwhile.
+      // After a short darkness the first image that fits will do. Later odometry may have drifted
+      // (0.1 m/s are not rare) to where one that fits is a shelf beside the truth.
+      constexpr double kBlindly = 3;  // s
       const bool contradicted =
           result->updated ? !confirmed : !searching_ && showWhatIsNotInView(views);
-      if (contradicted || isSpreadWide()) proof_.require();
-      if (proof_.isNeeded() && (!searching_ || only_around_) && map_->params().search.recover)
+      const bool astray = isSpreadWide() || input.time - *trusted_at_ > kBlindly;
+      if (contradicted || astray) proof_.require();
+      const bool has_cause = contradicted || isSpreadWide() || result->updated;
+      if (proof_.isNeeded() && has_cause && (!searching_ || only_around_) &&
+          map_->params().search.recover)
         beginSearch(false);
     }
   }
