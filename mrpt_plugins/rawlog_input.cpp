@@ -141,12 +141,12 @@ struct RawlogInput::Impl {
 };
 
 RawlogInput::RawlogInput(const std::string& file, bool masks, bool depths,
-                         std::optional<CameraModel> camera)
+                         const std::optional<CameraModel>& camera)
     : impl_(std::make_unique<Impl>()) {
   impl_->name = file;
   impl_->masks = masks;
   impl_->depths = depths;
-  impl_->camera = std::move(camera);
+  impl_->camera = camera;
   impl_->survey();
 }
 

@@ -17,7 +17,7 @@ class RawlogInput : public RecordedInput {
   /// images that come without. @throws InputError when it is no rawlog or has neither images nor,
   /// with `depths`, range images.
   RawlogInput(const std::string& file, bool masks, bool depths,
-              std::optional<CameraModel> camera = std::nullopt);
+              const std::optional<CameraModel>& camera = std::nullopt);
   ~RawlogInput() override;
   size_t imageCount() const override;
   /// A rawlog does not say.
