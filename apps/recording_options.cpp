@@ -184,8 +184,7 @@ OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
       if (!o.topics.empty()) throw ParameterError("--topics belongs to a bag");
       std::optional<CameraModel> camera;
       if (!o.camera.empty()) camera = CameraModel::fromYamlFile(o.camera);
-      opened.input =
-          std::make_unique<RawlogInput>(o.recording, !o.no_mask, depths, camera);
+      opened.input = std::make_unique<RawlogInput>(o.recording, !o.no_mask, depths, camera);
     } else {
 #ifdef EDGE_MCL_HAS_ROS
       BagTopics topics = parseTopics(o);
