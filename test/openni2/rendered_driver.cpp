@@ -6,6 +6,7 @@
 #define XN_DELETE(pointer) delete (pointer)
 #include <Driver/OniDriverAPI.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -15,9 +16,10 @@
 #include <memory>
 #include <mutex>
 #include <opencv2/imgproc.hpp>
-#include <set>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "edge_mcl/sim/simulator.h"
 
@@ -44,7 +46,11 @@ class RenderedStream : public StreamBase {
     running_ = true;
     return ONI_STATUS_OK;
   }
-  void stop() override { running_ = false; }
+  // Waits for the frame on its way: the runtime destroys its side of a stream that has stopped.
+  void stop() override {
+    running_ = false;
+    const std::lock_guard<std::mutex> lock(delivery_);
+  }
 
   OniStatus getProperty(int id, void* data, int* size) override {
     if (id == ONI_STREAM_PROPERTY_VIDEO_MODE) return give(mode_, data, size);
@@ -72,6 +78,7 @@ class RenderedStream : public StreamBase {
   }
 
   void deliver(const cv::Mat& pixels, int index, uint64_t microseconds) {
+    const std::lock_guard<std::mutex> lock(delivery_);
     if (!running_) return;
     OniFrame* frame = getServices().acquireFrame();
     if (!frame) return;
@@ -101,6 +108,7 @@ class RenderedStream : public StreamBase {
   OniSensorType sensor_;
   OniVideoMode mode_;
   edge_mcl::CameraModel camera_;
+  std::mutex delivery_;
   std::atomic<bool> running_{false};
 };
 
@@ -129,15 +137,17 @@ class RenderedDevice : public DeviceBase {
     const std::lock_guard<std::mutex> lock(mutex_);
     const bool is_depth = sensor == ONI_SENSOR_DEPTH;
     if (!is_depth && sensor != ONI_SENSOR_COLOR) return nullptr;
-    auto* stream = new RenderedStream(sensor, modes_[is_depth ? 1 : 0], scenario_.camera);
-    (is_depth ? depth_ : color_).insert(stream);
-    return stream;
+    Streams& streams = is_depth ? depth_ : color_;
+    streams.push_back(
+        std::make_shared<RenderedStream>(sensor, modes_[is_depth ? 1 : 0], scenario_.camera));
+    return streams.back().get();
   }
   void destroyStream(StreamBase* stream) override {
     const std::lock_guard<std::mutex> lock(mutex_);
-    color_.erase(static_cast<RenderedStream*>(stream));
-    depth_.erase(static_cast<RenderedStream*>(stream));
-    delete stream;
+    for (Streams* streams : {&color_, &depth_})
+      streams->erase(std::remove_if(streams->begin(), streams->end(),
+                                    [&](const auto& s) { return s.get() == stream; }),
+                     streams->end());
   }
   OniStatus getProperty(int id, void* data, int* size) override {
     if (id == ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION) {
@@ -159,6 +169,8 @@ class RenderedDevice : public DeviceBase {
   OniBool isImageRegistrationModeSupported(OniImageRegistrationMode) override { return TRUE; }
 
  private:
+  using Streams = std::vector<std::shared_ptr<RenderedStream>>;
+
   void fly() {
     edge_mcl::Simulator simulator(scenario_);
     edge_mcl::RecordedFrame frame;
@@ -171,10 +183,16 @@ class RenderedDevice : public DeviceBase {
       const auto due = begin + std::chrono::microseconds(1000000LL * i / kFps);
       std::this_thread::sleep_until(due);
       const auto time = static_cast<uint64_t>(1000000LL * i / kFps);
-      const std::lock_guard<std::mutex> lock(mutex_);
-      for (RenderedStream* stream : depth_) stream->deliver(depth, i, time);
-      for (RenderedStream* stream : color_) stream->deliver(color, i, time);
+      // Not under the lock: the runtime asks for streams, and destroys them, under locks of its
+      // own, which it also takes for a new frame.
+      const auto [depth_streams, color_streams] = openStreams();
+      for (const auto& stream : depth_streams) stream->deliver(depth, i, time);
+      for (const auto& stream : color_streams) stream->deliver(color, i, time);
     }
+  }
+  std::pair<Streams, Streams> openStreams() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return {depth_, color_};
   }
 
   edge_mcl::Scenario scenario_;
@@ -182,7 +200,7 @@ class RenderedDevice : public DeviceBase {
   OniSensorInfo sensors_[2];
   OniImageRegistrationMode registration_ = ONI_IMAGE_REGISTRATION_OFF;
   std::mutex mutex_;
-  std::set<RenderedStream*> color_, depth_;
+  Streams color_, depth_;
   std::atomic<bool> running_{true};
   std::thread thread_;
 };
