@@ -31,6 +31,13 @@ class Recovery:
         self.at, self.fault, self.images, self.flight, self.wall = at, fault, images, flight, wall
 
 
+class Silent:
+    """An image called tracking at a wrong pose. `fault`: the last one before it."""
+
+    def __init__(self, stamp, metres, degrees, fault):
+        self.stamp, self.metres, self.degrees, self.fault = stamp, metres, degrees, fault
+
+
 class Judge:
     """What the localizer says of each image against the truth."""
 
@@ -39,6 +46,7 @@ class Judge:
         self.statuses, self.poses = {}, {}
         self.tracking, self.silent, self.right_in_a_row = 0, [], 0
         self.carried_at = None  # stamp, s
+        self.fault = 'the begin'
         self.state, self.problem = 'nothing yet', ''
         self.subscribers = [
             rospy.Subscriber('/edge_mcl_localizer/status', Status, self.receive, self.statuses),
@@ -73,11 +81,11 @@ class Judge:
         self.right_in_a_row = 0
         since = None if self.carried_at is None else stamp * 1e-9 - self.carried_at
         if since is None or not 0 <= since <= ANNOUNCED_WITHIN:
-            self.silent.append((stamp * 1e-9, metres, degrees))
+            self.silent.append(Silent(stamp * 1e-9, metres, degrees, self.fault))
 
-    def forget(self, carried_at):
+    def forget(self, fault, carried_at):
         with self.lock:
-            self.right_in_a_row, self.carried_at = 0, carried_at
+            self.right_in_a_row, self.carried_at, self.fault = 0, carried_at, fault
 
 
 class Soak:
@@ -155,7 +163,7 @@ class Soak:
         before = self.feeder.now, self.feeder.at
         fault.begin(self)
         carried = before != (self.feeder.now, self.feeder.at)
-        self.judge.forget(self.feeder.now if carried else None)
+        self.judge.forget(fault.name, self.feeder.now if carried else None)
         self.fly(images)
         fault.end(self)
         flight, wall = self.awaitTracking()

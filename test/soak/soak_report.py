@@ -20,6 +20,17 @@ def faultTable(recoveries):
         yield '| %s | %d | %d | %s |' % (name, len(these), len(back), ' | '.join(figures))
 
 
+def silentTable(silent):
+    """Images called tracking at a wrong pose, by the last fault before them."""
+    yield '| after | images | farthest, m | most turned, degrees | stamps, s |'
+    yield '|---|---|---|---|---|'
+    for fault in sorted({s.fault for s in silent}):
+        these = [s for s in silent if s.fault == fault]
+        yield '| %s | %d | %.2f | %.1f | %.1f to %.1f |' % (
+            fault, len(these), max(s.metres for s in these), max(s.degrees for s in these),
+            these[0].stamp, these[-1].stamp)
+
+
 def memoryTable(nodes):
     """Of the longest life of each node: a leak would show there."""
     yield '| node | lives | longest, min | MB after 1 min | half way | at its end | most | ' \
@@ -58,6 +69,8 @@ def writeReport(soak, file):
               '5 degrees (later than 2 s after the robot was carried elsewhere)' % (
                   soak.feeder.sent, judge.tracking, len(judge.silent))]
     lines += ['', '## Faults', ''] + list(faultTable(soak.recoveries))
+    if judge.silent:
+        lines += ['', '## Tracking, and wrong', ''] + list(silentTable(judge.silent))
     lines += ['', '## Memory', ''] + list(memoryTable(soak.nodes))
     text = '\n'.join(lines) + '\n'
     with open(file, 'w') as f:
