@@ -37,39 +37,6 @@ struct Visibility::Scene {
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  /// Which of the points something hides: bit i for point i. One packet of rays, as they share the
-  /// origin and end side by side.
-  /// @param asked the points to look at, bits likewise.
-  uint32_t hidden(const Eigen::Vector3f& from, const Eigen::Vector3f* to, uint32_t asked,
-                  float tolerance) const {
-    if (!scene) return 0;
-    RTCRay16 rays{};
-    alignas(64) int valid[16] = {};
-    for (uint32_t i = 0; i < EdgeSegment::kMaxSamples; ++i) {
-      if (!(asked >> i & 1u)) continue;
-      const Eigen::Vector3f direction = to[i] - from;
-      const float distance = direction.norm();
-      if (distance <= tolerance) continue;
-      valid[i] = -1;
-      rays.org_x[i] = from.x();
-      rays.org_y[i] = from.y();
-      rays.org_z[i] = from.z();
-      rays.dir_x[i] = direction.x() / distance;
-      rays.dir_y[i] = direction.y() / distance;
-      rays.dir_z[i] = direction.z() / distance;
-      rays.tnear[i] = 0;
-      rays.tfar[i] = distance - tolerance;
-      rays.mask[i] = 0xffffffffu;
-    }
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcOccluded16(valid, scene, &context, &rays);
-    uint32_t result = 0;
-    for (uint32_t i = 0; i < EdgeSegment::kMaxSamples; ++i)
-      if (valid[i] != 0 && rays.tfar[i] < 0) result |= 1u << i;
-    return result;
-  }
 };
 
 /// Least-recently-used map of cells.
@@ -85,6 +52,57 @@ struct Visibility::Cache {
 };
 
 namespace {
+
+/// Rays from one place to points, traced together when there are enough of them: rays that end side
+/// by side share most of their way through the scene.
+class RayPacket {
+ public:
+  RayPacket(RTCScene scene, const Eigen::Vector3f& from) : scene_(scene), from_(from) {
+    rtcInitIntersectContext(&context_);
+    context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  }
+
+  /// @param bit of *visible is cleared, now or later, when something hides the point.
+  void add(const Eigen::Vector3f& point, float tolerance, uint32_t bit, uint16_t* visible) {
+    const Eigen::Vector3f direction = point - from_;
+    const float distance = direction.norm();
+    if (distance <= tolerance) return;
+    const int i = count_++;
+    rays_.org_x[i] = from_.x();
+    rays_.org_y[i] = from_.y();
+    rays_.org_z[i] = from_.z();
+    rays_.dir_x[i] = direction.x() / distance;
+    rays_.dir_y[i] = direction.y() / distance;
+    rays_.dir_z[i] = direction.z() / distance;
+    rays_.tnear[i] = 0;
+    rays_.tfar[i] = distance - tolerance;
+    rays_.mask[i] = 0xffffffffu;
+    targets_[i] = {visible, static_cast<uint16_t>(1u << bit)};
+    if (count_ == kSize) trace();
+  }
+
+  void trace() {
+    alignas(64) int valid[kSize];
+    for (int i = 0; i < kSize; ++i) valid[i] = i < count_ ? -1 : 0;
+    rtcOccluded16(valid, scene_, &context_, &rays_);
+    for (int i = 0; i < count_; ++i)
+      if (rays_.tfar[i] < 0) *targets_[i].visible &= static_cast<uint16_t>(~targets_[i].bit);
+    count_ = 0;
+  }
+
+ private:
+  static constexpr int kSize = 16;
+  struct Target {
+    uint16_t* visible;
+    uint16_t bit;
+  };
+  RTCScene scene_;
+  Eigen::Vector3f from_;
+  RTCIntersectContext context_;
+  RTCRay16 rays_{};
+  Target targets_[kSize];
+  int count_ = 0;
+};
 
 double automaticCellSize(const MeshModel& mesh) {
   return std::clamp(0.02 * mesh.diagonal(), 0.02, 0.10);
@@ -133,12 +151,20 @@ Visibility::Visibility(const MeshModel& mesh, const EdgeModel& model,
 
 Visibility::~Visibility() = default;
 
-VisibleSet Visibility::exact(const Eigen::Vector3d& position, uint32_t thinning) const {
-  VisibleSet result;
-  result.model = &model_;
+bool ViewCone::touches(const Eigen::Vector3f& centre, float radius) const {
+  const float distance = centre.norm();
+  if (distance <= radius) return true;
+  const float most = angle + std::asin(radius / distance);
+  return most >= static_cast<float>(M_PI) || axis.dot(centre) >= distance * std::cos(most);
+}
+
+VisibleSet Visibility::exact(const Eigen::Vector3d& position, uint32_t thinning,
+                             const ViewCone& cone) const {
   const Eigen::Vector3f eye = position.cast<float>();
+  std::vector<VisibleSet::Segment> asked;
   for (uint32_t k = 0; k < model_.segments.size(); ++k) {
     const EdgeSegment& segment = model_.segments[k];
+    if (!cone.touches(segment.centre - eye, segment.radius)) continue;
     const EdgeLine& line = model_.lines[segment.line];
     if (line.kind == EdgeKind::kContour) {
       const Eigen::Vector3f to_eye = eye - line.start;
@@ -146,14 +172,17 @@ VisibleSet Visibility::exact(const Eigen::Vector3d& position, uint32_t thinning)
     }
     VisibleSet::Segment seen;
     seen.index = k;
-    const uint32_t used = usedSamples(segment, thinning);
-    if (used == 0) continue;
-    Eigen::Vector3f points[EdgeSegment::kMaxSamples];
-    for (uint32_t i = 0; i < segment.sample_count; ++i)
-      points[i] = model_.samplePosition(segment, i).cast<float>();
-    const uint32_t hidden = scene_->hidden(eye, points, used, static_cast<float>(tolerance_));
-    seen.samples = static_cast<uint16_t>(used & ~hidden);
+    seen.samples = usedSamples(segment, thinning);
+    if (seen.samples) asked.push_back(seen);
+  }
+  if (scene_->scene) removeHidden(eye, &asked);
+
+  VisibleSet result;
+  result.model = &model_;
+  for (VisibleSet::Segment& seen : asked) {
     if (!seen.samples) continue;
+    const EdgeSegment& segment = model_.segments[seen.index];
+    const EdgeLine& line = model_.lines[segment.line];
     result.sample_count += std::bitset<16>(seen.samples).count();
     seen.facing =
         static_cast<uint16_t>(std::lround(65535 * facingWeight(line, segment.centre, eye)));
@@ -162,6 +191,21 @@ VisibleSet Visibility::exact(const Eigen::Vector3d& position, uint32_t thinning)
     result.segments.push_back(seen);
   }
   return result;
+}
+
+void Visibility::removeHidden(const Eigen::Vector3f& eye,
+                              std::vector<VisibleSet::Segment>* segments) const {
+  const auto tolerance = static_cast<float>(tolerance_);
+  RayPacket packet(scene_->scene, eye);
+  for (VisibleSet::Segment& seen : *segments) {
+    const EdgeSegment& segment = model_.segments[seen.index];
+    // Not from seen.samples: the packet takes hidden ones out of it while this goes on.
+    const uint16_t asked = seen.samples;
+    for (uint32_t i = 0; i < segment.sample_count; ++i)
+      if (asked >> i & 1u)
+        packet.add(model_.samplePosition(segment, i).cast<float>(), tolerance, i, &seen.samples);
+  }
+  packet.trace();
 }
 
 CellKey Visibility::cellOf(const Eigen::Vector3d& position) const {

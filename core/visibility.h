@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -39,6 +40,15 @@ struct VisibleSet {
 };
 static_assert(EdgeSegment::kMaxSamples <= 16, "one bit per sample");
 
+/// Directions around the optical axis of a camera, for leaving out what it cannot see anyway.
+struct ViewCone {
+  Eigen::Vector3f axis = Eigen::Vector3f::UnitZ();  ///< unit vector, map frame
+  float angle = M_PI;                               ///< between the axis and the border, radians
+
+  /// Whether some of a sphere may lie within. @param centre relative to the eye.
+  bool touches(const Eigen::Vector3f& centre, float radius) const;
+};
+
 /// Key of a cell of space.
 struct CellKey {
   int x = 0, y = 0, z = 0;
@@ -59,7 +69,9 @@ class Visibility {
 
   /// Exact answer for one position (metres, map frame): the oracle.
   /// @param thinning only every so many-th sample of the model is looked at.
-  VisibleSet exact(const Eigen::Vector3d& position, uint32_t thinning = 1) const;
+  /// @param cone segments outside it are left out, and not counted as hidden or visible.
+  VisibleSet exact(const Eigen::Vector3d& position, uint32_t thinning = 1,
+                   const ViewCone& cone = {}) const;
 
   /// Answer for the cell that holds the position; computed once, then cached.
   std::shared_ptr<const VisibleSet> cached(const CellKey& cell) const;
@@ -80,6 +92,7 @@ class Visibility {
  private:
   struct Scene;
   struct Cache;
+  void removeHidden(const Eigen::Vector3f& eye, std::vector<VisibleSet::Segment>* segments) const;
   const EdgeModel& model_;
   VisibilityParameters params_;
   double cell_size_;
