@@ -22,6 +22,8 @@ namespace {
 constexpr double kDegree = M_PI / 180;
 // What counts as the right place.
 constexpr double kRightPosition = 0.25, kRightAngle = 5 * kDegree;
+// Fewer lines in view leave the pose open, also for who knows the truth.
+constexpr double kFewLines = 3;
 
 struct TrialOptions {
   std::string scenario, kind = "global", out;
@@ -42,9 +44,15 @@ struct Outcome {
   int silent = 0;            ///< of these, at a wrong pose
   int announced_after = -1;  ///< images after the event until it no longer says tracking
   bool right_at_end = false;
-  int rank = 0;  ///< of the truth among what the search holds at the end, 1: best; 0: not there
+  int rank = 0;    ///< of the truth among what the search holds at the end, 1: best; 0: not there
+  int looked = 0;  ///< images (from the event on)
+  int bare = 0;    ///< of these, with fewer than kFewLines in view where it really is, or masked
   double search_ms = 0;
   std::vector<double> nees;  ///< of tracked images
+
+  bool isFound() const { return found_after >= 0 && !wrong; }
+  /// Most of what it saw was bare walls.
+  bool sawLittle() const { return 2 * bare > looked; }
 };
 
 LiveInput inputOf(const RecordedFrame& frame, const TrialFlight& flight, const TrialOptions& o,
@@ -98,6 +106,15 @@ PoseGaussian startOf(const Pose& truth, TrialKind kind, const TrialOptions& o,
   return start;
 }
 
+/// Whether an image shows too little of the model at the true pose to tell where that is.
+bool isBare(const LocalizationMap& map, const LiveResult& result, const Pose& truth) {
+  if (!map.usesImages()) return false;
+  double lines = 0;
+  for (const auto& image : result.images)
+    lines += map.evaluate({{image, Pose::Identity(), 1, nullptr}}, {truth}).front().line_count;
+  return lines < kFewLines;
+}
+
 Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
             const TrialOptions& o, uint64_t seed) {
   Outcome outcome;
@@ -124,6 +141,10 @@ Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
     const Twist error = logSe3(r.estimate.mean.inverse() * *frame.truth);
     const bool right =
         error.head<3>().norm() < kRightPosition && error.tail<3>().norm() < kRightAngle;
+    if (i >= event) {
+      ++outcome.looked;
+      outcome.bare += isBare(*map, r, *frame.truth) ? 1 : 0;
+    }
     const bool tracking = r.state == LocalizerState::kTracking;
     outcome.tracking += tracking ? 1 : 0;
     outcome.silent += tracking && !right ? 1 : 0;
@@ -154,20 +175,23 @@ nlohmann::json jsonOf(const Outcome& o, double rate) {
           {"announced_after_s", o.announced_after < 0 ? -1 : o.announced_after / rate},
           {"right_at_end", o.right_at_end},
           {"rank_in_search_at_end", o.rank},
+          {"images_with_few_lines", o.bare},
           {"search_ms", o.search_ms}};
 }
 
 nlohmann::json summaryOf(const std::vector<Outcome>& outcomes, const TrialOptions& o) {
-  int found = 0, wrong = 0, tracking = 0, silent = 0, silent_flights = 0, right_at_end = 0;
+  int found = 0, wrong = 0, saw_little = 0, tracking = 0, silent = 0, silent_flights = 0,
+      right_at_end = 0;
   std::vector<double> after, announced, nees, search;
   for (const Outcome& t : outcomes) {
-    found += t.found_after >= 0 && !t.wrong ? 1 : 0;
+    found += t.isFound() ? 1 : 0;
+    saw_little += !t.isFound() && !t.wrong && t.sawLittle() ? 1 : 0;
     wrong += t.wrong ? 1 : 0;
     tracking += t.tracking;
     silent += t.silent;
     silent_flights += t.silent > 0 ? 1 : 0;
     right_at_end += t.right_at_end ? 1 : 0;
-    if (t.found_after >= 0 && !t.wrong) after.push_back(t.found_after);
+    if (t.isFound()) after.push_back(t.found_after);
     if (t.announced_after >= 0) announced.push_back(t.announced_after / o.rate);
     if (t.search_ms > 0) search.push_back(t.search_ms / 1000);
     nees.insert(nees.end(), t.nees.begin(), t.nees.end());
@@ -183,6 +207,7 @@ nlohmann::json summaryOf(const std::vector<Outcome>& outcomes, const TrialOption
           {"found", found},
           {"wrong", wrong},
           {"not_found", static_cast<int>(outcomes.size()) - found - wrong},
+          {"not_found_saw_little", saw_little},
           {"right_at_end", right_at_end},
           {"found_after_images_median", summarize(after).median},
           {"found_after_images_p90", summarize(after).p90},
@@ -221,10 +246,13 @@ int run(TrialOptions o) {
     std::printf("%s\n", summary.dump(1).c_str());
     return kExitOk;
   }
-  std::printf("%s, %s: %d flights, %d found, %d wrong, %d not found; after %.0f images (median), ",
-              o.scenario.c_str(), o.kind.c_str(), o.count, summary["found"].get<int>(),
-              summary["wrong"].get<int>(), summary["not_found"].get<int>(),
-              summary["found_after_images_median"].get<double>());
+  std::printf(
+      "%s, %s: %d flights, %d found, %d wrong, %d not found (%d of these with fewer than %.0f "
+      "lines in view in most images); after %.0f images (median), ",
+      o.scenario.c_str(), o.kind.c_str(), o.count, summary["found"].get<int>(),
+      summary["wrong"].get<int>(), summary["not_found"].get<int>(),
+      summary["not_found_saw_little"].get<int>(), kFewLines,
+      summary["found_after_images_median"].get<double>());
   std::printf("%.0f (90 %%)\n", summary["found_after_images_p90"].get<double>());
   std::printf("  images tracking %d, of these at a wrong pose %d, in %d flights; NEES %.2f\n",
               summary["images_tracking"].get<int>(), summary["silent_failure_images"].get<int>(),

@@ -72,8 +72,8 @@ FreeSpace::FreeSpace(const MeshModel& mesh, const Options& options) : options_(o
 
 FreeSpace::~FreeSpace() = default;
 
-bool FreeSpace::isClear(const Eigen::Vector3d& position) const {
-  return !closest_ || !closest_->find(position, options_.clearance).found;
+bool FreeSpace::isClear(const Eigen::Vector3d& position, double clearance) const {
+  return !closest_ || !closest_->find(position, clearance).found;
 }
 
 bool FreeSpace::isSurrounded(const Eigen::Vector3d& position) const {
@@ -91,7 +91,11 @@ bool FreeSpace::isSurrounded(const Eigen::Vector3d& position) const {
 bool FreeSpace::contains(const Eigen::Vector3d& position) const {
   if ((position.array() < low_.array()).any() || (position.array() > high_.array()).any())
     return false;
-  return isClear(position) && (!enclosed_ || isSurrounded(position));
+  return isClear(position, options_.clearance) && (!enclosed_ || isSurrounded(position));
+}
+
+bool FreeSpace::admits(const Eigen::Vector3d& position) const {
+  return isClear(position, 0.5 * options_.clearance) && (!enclosed_ || isSurrounded(position));
 }
 
 std::vector<Eigen::Vector3d> FreeSpace::places(double spacing) const {

@@ -28,6 +28,9 @@ class FreeSpace {
   FreeSpace& operator=(const FreeSpace&) = delete;
 
   bool contains(const Eigen::Vector3d& position) const;
+  /// Less strict, for poses that were estimated: half the clearance is enough, and where the model
+  /// surrounds nothing at all, places outside its bounds count, too.
+  bool admits(const Eigen::Vector3d& position) const;
   /// False: nothing is surrounded, everything in the bounds counts.
   bool isEnclosed() const { return enclosed_; }
   /// m^3, to some per cent.
@@ -38,7 +41,7 @@ class FreeSpace {
 
  private:
   struct Scene;
-  bool isClear(const Eigen::Vector3d& position) const;
+  bool isClear(const Eigen::Vector3d& position, double clearance) const;
   bool isSurrounded(const Eigen::Vector3d& position) const;
   Options options_;
   Eigen::Vector3d low_, high_;

@@ -76,11 +76,19 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
   return prepared;
 }
 
+std::shared_ptr<const FreeSpace> LocalizationMap::freeSpace() const {
+  const std::lock_guard<std::mutex> lock(search_->space_mutex);
+  if (!search_->space)
+    search_->space = std::make_shared<FreeSpace>(
+        *mesh_, FreeSpace::Options{params_.search.clearance, params_.search.enclosure});
+  return search_->space;
+}
+
 std::shared_ptr<const SearchPlaces> LocalizationMap::searchPlaces() const {
-  const std::lock_guard<std::mutex> lock(search_places_->mutex);
-  if (!search_places_->places)
-    search_places_->places = std::make_shared<SearchPlaces>(*mesh_, *visibility_, params_.search);
-  return search_places_->places;
+  const std::lock_guard<std::mutex> lock(search_->places_mutex);
+  if (!search_->places)
+    search_->places = std::make_shared<SearchPlaces>(*freeSpace(), *visibility_, params_.search);
+  return search_->places;
 }
 
 uint32_t LocalizationMap::thinningFor(const CameraView& view, const Pose& base_pose,

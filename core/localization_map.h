@@ -73,6 +73,9 @@ class LocalizationMap {
   /// @throws InputError, see makeDepthPoints.
   std::shared_ptr<const DepthPoints> prepareDepth(const DepthImage& image) const;
 
+  /// Where the camera can be (search.clearance, search.enclosure). Made with the first call. Safe
+  /// to call from several threads.
+  std::shared_ptr<const FreeSpace> freeSpace() const;
   /// Made with the first call, which takes seconds. Safe to call from several threads.
   /// @throws InputError, see SearchPlaces.
   std::shared_ptr<const SearchPlaces> searchPlaces() const;
@@ -106,11 +109,12 @@ class LocalizationMap {
   std::unique_ptr<ScoreLevels> levels_;
   std::unique_ptr<PoseRefiner> refiner_;
   std::shared_ptr<const DepthLikelihood> depth_;
-  struct LazyPlaces {
-    std::mutex mutex;
+  struct LazySearch {
+    std::mutex space_mutex, places_mutex;
+    std::shared_ptr<const FreeSpace> space;
     std::shared_ptr<const SearchPlaces> places;
   };
-  std::unique_ptr<LazyPlaces> search_places_ = std::make_unique<LazyPlaces>();
+  std::unique_ptr<LazySearch> search_ = std::make_unique<LazySearch>();
 };
 
 }  // namespace edge_mcl

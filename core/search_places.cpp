@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "edge_mcl/core/error.h"
-#include "edge_mcl/core/free_space.h"
 
 namespace edge_mcl {
 
@@ -14,10 +13,9 @@ uint32_t SearchPlaces::thinningTo(const EdgeModel& model, size_t samples) {
   return static_cast<uint32_t>(std::max<size_t>(1, model.sample_along.size() / samples));
 }
 
-SearchPlaces::SearchPlaces(const MeshModel& mesh, const Visibility& visibility,
+SearchPlaces::SearchPlaces(const FreeSpace& space, const Visibility& visibility,
                            const SearchParameters& params)
     : thinning(thinningFor(visibility.model())) {
-  const FreeSpace space(mesh, {params.clearance, params.enclosure});
   spacing = std::max(params.place_spacing, std::cbrt(space.volume() / params.max_places));
   for (const Eigen::Vector3d& position : space.places(spacing))
     places.push_back({position, nullptr});

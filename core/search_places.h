@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/free_space.h"
 #include "edge_mcl/core/parameters.h"
 #include "edge_mcl/core/visibility.h"
 
@@ -21,8 +21,9 @@ struct SearchPlaces {
   double spacing = 0;     ///< m
   uint32_t thinning = 1;  ///< of the visible sets
 
-  /// @throws InputError when no place is as far from all surfaces as search.clearance.
-  SearchPlaces(const MeshModel& mesh, const Visibility& visibility, const SearchParameters& params);
+  /// @throws InputError when the free space holds no place.
+  SearchPlaces(const FreeSpace& space, const Visibility& visibility,
+               const SearchParameters& params);
 
   /// The thinning of the samples at which so many of the model's are left, about.
   static uint32_t thinningTo(const EdgeModel& model, size_t samples);

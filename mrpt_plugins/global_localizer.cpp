@@ -126,7 +126,9 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
   elapsed_ = 0;
   has_odometry_ = true;
   look();
-  sortAndPrune();
+  sort();
+  smooth();
+  prune();
   report_ = judge();
   report_.keyframe = true;
   report_.total_ms =
@@ -172,6 +174,7 @@ std::vector<Pose> GlobalLocalizer::candidates() {
   };
   add(alongWhatWasOpen());
   if (only_guess_) return found;
+  add(whereItLooksAlike());
   // What so many looks have not found, the next will hardly find.
   constexpr int kEager = 12, kSeldom = 4;
   if (keyframe_count_ > kEager && keyframe_count_ % kSeldom != 0) return found;
@@ -203,6 +206,25 @@ std::vector<Pose> GlobalLocalizer::alongWhatWasOpen() const {
         pose.translation() += pose.linear() * (sign * offset * axes.eigenvectors().col(2));
         found.push_back(pose);
       }
+  }
+  return found;
+}
+
+std::vector<Pose> GlobalLocalizer::whereItLooksAlike() {
+  // A wrong pose that explains several images is often a bay or a floor away from the right one.
+  constexpr size_t kMost = 4;  // hypotheses
+  std::vector<Pose> found, tried;
+  for (size_t i = 0; i < hypotheses_.size() && tried.size() < kMost; ++i) {
+    Hypothesis& h = hypotheses_[i];
+    if (std::any_of(tried.begin(), tried.end(), [&](const Pose& pose) {
+          return isNear(pose, h.pose, kSamePlace, kSameHeading);
+        }))
+      continue;
+    tried.push_back(h.pose);
+    if (h.repeated || h.followed == 0) continue;
+    h.repeated = true;
+    const std::vector<Pose> alike = search_.alike(keyframes_.back().seen, h.pose);
+    found.insert(found.end(), alike.begin(), alike.end());
   }
   return found;
 }
@@ -259,7 +281,8 @@ void GlobalLocalizer::look() {
       return isNear(other.pose, f.pose, 0.1, 3 * kDegree);
     };
     if (std::none_of(hypotheses_.begin(), hypotheses_.end(), known) &&
-        std::none_of(fresh.begin(), fresh.end(), known))
+        std::none_of(fresh.begin(), fresh.end(), known) &&
+        search_.admits(keyframes_.back().seen.views, f.pose))
       fresh.push_back(f);
   }
   const size_t old = hypotheses_.size();
@@ -268,14 +291,35 @@ void GlobalLocalizer::look() {
                     [&](size_t i) { hypotheses_[old + i] = backwards(fresh[i]); });
 }
 
-void GlobalLocalizer::sortAndPrune() {
-  const SearchParameters& p = map_.params().search;
+void GlobalLocalizer::sort() {
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.total > b.total; });
+}
+
+void GlobalLocalizer::smooth() {
+  // One that was found beside the truth carries the scores of that with it, though later images
+  // have brought it to the right place: from there the earlier ones are looked at anew.
+  constexpr size_t kMost = 8;
+  const size_t count = std::min(kMost, hypotheses_.size());
+  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+    Hypothesis& h = hypotheses_[i];
+    if (h.followed == 0) return;  // has just been followed backwards
+    Hypothesis smoothed = backwards(h.history.back());
+    if (smoothed.total <= h.total) return;
+    h.total = smoothed.total;
+    h.history = std::move(smoothed.history);
+  });
+  sort();
+}
+
+void GlobalLocalizer::prune() {
+  const SearchParameters& p = map_.params().search;
+  const std::vector<CameraView>& views = keyframes_.back().seen.views;
   std::vector<Hypothesis> kept;
   for (Hypothesis& h : hypotheses_) {
     if (kept.size() >= static_cast<size_t>(p.hypotheses)) break;
-    if (h.total < hypotheses_.front().total - 4 * p.min_margin - 200) break;
+    if (!search_.admits(views, h.pose)) continue;
+    if (!kept.empty() && h.total < kept.front().total - 4 * p.min_margin - 200) break;
     const auto same = std::find_if(kept.begin(), kept.end(), [&](const Hypothesis& k) {
       return isNear(k.pose, h.pose, 0.08, 2 * kDegree);
     });
@@ -350,10 +394,11 @@ SearchReport GlobalLocalizer::judge() const {
         return h.total > best.total - kMuchBetter * min_margin &&
                !isNear(h.pose, best.pose, kNeighbour, kNeighbourAngle);
       });
+  report.convincing = explained && report.margin >= min_margin && !one_of_several;
   // What was found just now was chosen to fit; only images that come later can contradict it.
   constexpr int kFollowed = 2;  // keyframes
-  report.converged = keyframe_count_ >= p.min_keyframes && best.followed >= kFollowed &&
-                     explained && report.margin >= min_margin && !one_of_several;
+  report.converged =
+      report.convincing && keyframe_count_ >= p.min_keyframes && best.followed >= kFollowed;
   return report;
 }
 

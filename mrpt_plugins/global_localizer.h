@@ -19,7 +19,8 @@ struct PoseCluster {
 /// What the search knows after an image.
 struct SearchReport {
   bool keyframe = false;              ///< the image was a new view, and used
-  bool converged = false;             ///< `estimate` is where it is
+  bool convincing = false;            ///< `estimate` explains the keyframes, and nothing else does
+  bool converged = false;             ///< and so it did when new ones came: it is there
   PoseGaussian estimate;              ///< the best hypothesis, T_map_base; without any: identity
   std::vector<PoseCluster> clusters;  ///< best first, at most ten
   double margin = 0;       ///< nats, by which the best explains the keyframes better than the next
@@ -62,6 +63,7 @@ class GlobalLocalizer {
     double total = 0;               ///< nats
     int followed = 0;               ///< keyframes since it was found
     PoseGaussian expected;          ///< at the newest keyframe, before its images; if followed
+    bool repeated = false;          ///< what looks alike elsewhere in the building has been tried
   };
 
   bool isNewView() const;
@@ -71,9 +73,12 @@ class GlobalLocalizer {
   std::vector<CameraView> rig() const;
   std::vector<Pose> candidates();
   std::vector<Pose> alongWhatWasOpen() const;
+  std::vector<Pose> whereItLooksAlike();
   std::vector<Eigen::Matrix3d> rotations() const;
   Hypothesis backwards(const FoundPose& found) const;
-  void sortAndPrune();
+  void smooth();
+  void sort();
+  void prune();
   SearchReport judge() const;
 
   const LocalizationMap& map_;

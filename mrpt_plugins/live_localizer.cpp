@@ -91,11 +91,30 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->search_keyframes = report.keyframes;
   result->search_ms = report.total_ms;
   result->updated = true;
-  if (!report.converged || !report.keyframe) return;
+  if (!report.keyframe || !(report.converged || agreesWith(report))) return;
   setPose(report.estimate);
   fresh_ = false;  // it holds for this image
   trusted_at_ = input.time;
   result->relocalized = true;
+  // What the search has just explained, the filter can say how well it knows.
+  useImages(views, result);
+  if (weigh(input.time, *result)) judge(input.time, true, true);
+}
+
+bool LiveLocalizer::agreesWith(const SearchReport& report) const {
+  // Search and filter begin at different places and come by different ways; that both end at the
+  // same wrong place, which explains several views as nothing else does, is not to be expected.
+  constexpr int kKeyframes = 3, kImages = 3;
+  constexpr double kSame = 0.1, kSameAngle = 3 * M_PI / 180;
+  return report.convincing && report.keyframes >= kKeyframes && isInitialized() &&
+         proof_.confirmations() >= kImages &&
+         isNear(report.estimate.mean, filter_.estimate().mean, kSame, kSameAngle);
+}
+
+bool LiveLocalizer::weigh(double time, const LiveResult& result) {
+  return proof_.weigh({time, result.updated, isConfirmed(result), result.match_ratio,
+                       static_cast<double>(result.report.visible_lines)},
+                      filter_.estimate());
 }
 
 void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
@@ -310,9 +329,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     }
     if (result->updated) odometry_of_update_ = input.odometry;
     const bool confirmed = isConfirmed(*result);
-    trusted = proof_.weigh({input.time, result->updated, confirmed, result->match_ratio,
-                            static_cast<double>(result->report.visible_lines)},
-                           filter_.estimate());
+    trusted = weigh(input.time, *result);
     if (result->updated && !confirmed && problem.empty())
       problem = "the image does not confirm the pose";
     judge(input.time, trusted, result->updated);

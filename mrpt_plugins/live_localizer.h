@@ -98,6 +98,8 @@ class LiveLocalizer {
   static bool showWhatIsNotInView(const std::vector<CameraView>& views);
   bool isSpreadWide() const;
   void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
+  bool agreesWith(const SearchReport& report) const;
+  bool weigh(double time, const LiveResult& result);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem) const;
   std::vector<CameraView> prepareDepths(const LiveInput& input, std::string* problem) const;

@@ -30,6 +30,8 @@ class PoseProof {
   void begin(bool needed);
   void require() { needed_ = true; }
   bool isNeeded() const { return needed_; }
+  /// Images in a row that fitted, up to the last one.
+  int confirmations() const { return since_ ? images_ : 0; }
 
   /// The robot has moved, by odometry or as the filter expects; sigma: standard deviations.
   void move(const Pose& step, const Twist& sigma);

@@ -8,6 +8,7 @@
 
 #include "edge_mcl/core/cpu_backend.h"
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/main_directions.h"
 
 namespace edge_mcl {
 
@@ -68,6 +69,18 @@ RefinementView reducedView(const Pose& T_base_camera,
   return view;
 }
 
+// How far a refinement may turn a camera before what comes into view is looked up anew.
+constexpr double kTurn = 25 * kDegree;
+
+/// What a camera sees of the model, also after it was turned by kTurn.
+std::shared_ptr<const VisibleSet> inView(const Visibility& visibility, const Pose& T_map_camera,
+                                         const CameraModel& camera, uint32_t thinning) {
+  const ViewCone cone{T_map_camera.linear().col(2).cast<float>(),
+                      static_cast<float>(camera.view.angle + kTurn)};
+  return std::make_shared<const VisibleSet>(
+      visibility.exact(T_map_camera.translation(), thinning, cone));
+}
+
 /// Leaves out what is near a better one. Keeps at most `most`.
 template <class Item>
 std::vector<Item> distinct(std::vector<Item> items, size_t most, double distance, double angle) {
@@ -95,7 +108,9 @@ PoseSearch::PoseSearch(const LocalizationMap& map)
       full_thinning_(SearchPlaces::thinningTo(map.edges(), 6000)),
       small_images_(map.params(), map.params().search.small_width, map.edges().sample_step,
                     small_thinning_),
-      refiner_(map.params().refinement, map.params().likelihood, map.params().image) {
+      refiner_(map.params().refinement, map.params().likelihood, map.params().image),
+      space_(map.freeSpace()),
+      directions_(mainDirections(map.edges())) {
   if (map.depth()) refiner_.setDepth(map.sharedDepth());
 }
 
@@ -123,6 +138,12 @@ void PoseSearch::score(const std::vector<CameraView>& views, const SmallViews& s
       for (size_t i = 0; i < poses.size(); ++i) scores[i] += s[i].log_likelihood;
     }
   }
+}
+
+bool PoseSearch::admits(const std::vector<CameraView>& views, const Pose& pose) const {
+  return std::all_of(views.begin(), views.end(), [&](const CameraView& view) {
+    return space_->admits((pose * view.T_base_camera).translation());
+  });
 }
 
 PoseGaussian PoseSearch::looseAround(const Pose& start, const std::optional<UpReading>& up) const {
@@ -157,7 +178,11 @@ std::vector<Pose> PoseSearch::finish(const std::vector<CameraView>& views, const
     const PoseGaussian prior = looseAround(start.pose, up);
     start.pose = small_images_.refiner().refine(refined, prior.mean, prior, kReducedEffort).pose;
     score(views, small, true, start.visible, {start.pose}, &start.score);
+    start.admitted = admits(views, start.pose);
   });
+  starts.erase(std::remove_if(starts.begin(), starts.end(),
+                              [](const Start& start) { return !start.admitted; }),
+               starts.end());
   std::stable_sort(starts.begin(), starts.end(), better);
   starts = distinct(std::move(starts), 2 * static_cast<size_t>(p.hypotheses), 0.12, 4 * kDegree);
 
@@ -271,6 +296,50 @@ std::vector<Pose> PoseSearch::around(const std::vector<CameraView>& views,
   return finish(views, small, std::move(starts), up);
 }
 
+std::vector<Pose> PoseSearch::alike(const SearchViews& seen, const Pose& pose) const {
+  // Half a step off, a pose is still within reach of a refinement in the reduced image. What a
+  // neighbouring place sees is no good: near beams and columns it is another view.
+  constexpr double kStep = 0.2, kNearest = 0.4;  // m
+  constexpr size_t kMost = 12;
+  const auto image = static_cast<size_t>(std::find_if(seen.small.begin(), seen.small.end(),
+                                                      [](const auto& s) { return s != nullptr; }) -
+                                         seen.small.begin());
+  if (image == seen.small.size()) return {};
+  const Pose& T_base_camera = seen.views[image].T_base_camera;
+  const Eigen::Vector3d low = map_.mesh().lowest.cast<double>(),
+                        high = map_.mesh().highest.cast<double>();
+  const auto isInside = [&](const Eigen::Vector3d& p) {
+    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
+  };
+  std::vector<Start> starts;
+  for (const Eigen::Vector3d& direction : directions_)
+    for (const double sign : {-1.0, 1.0})
+      for (double way = kNearest;; way += kStep) {
+        Start start;
+        start.pose = pose;
+        start.pose.pretranslate(sign * way * direction);
+        if (!isInside((start.pose * T_base_camera).translation())) break;
+        starts.push_back(start);
+      }
+  tbb::parallel_for(size_t{0}, starts.size(), [&](size_t i) {
+    Start& start = starts[i];
+    start.admitted = admits(seen.views, start.pose);
+    if (!start.admitted) return;
+    const auto visible = inView(map_.visibility(), start.pose * T_base_camera,
+                                seen.small[image]->camera, small_thinning_);
+    score(seen.views, seen.small, false, visible, {start.pose}, &start.score);
+  });
+  starts.erase(std::remove_if(starts.begin(), starts.end(),
+                              [](const Start& start) { return !start.admitted; }),
+               starts.end());
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const Start& a, const Start& b) { return a.score > b.score; });
+  std::vector<Pose> found;
+  for (const Start& start : distinct(std::move(starts), kMost, kNearest, kDegree))
+    found.push_back(start.pose);
+  return found;
+}
+
 SearchViews PoseSearch::prepare(std::vector<CameraView> views) const {
   SearchViews seen;
   seen.small = reduce(views);
@@ -287,8 +356,8 @@ FoundPose PoseSearch::follow(const SearchViews& seen, const PoseGaussian& prior)
     const Pose& T_base_camera = seen.views[v].T_base_camera;
     std::shared_ptr<const VisibleSet> visible;
     if (seen.small[v])
-      visible = std::make_shared<const VisibleSet>(
-          map_.visibility().exact((prior.mean * T_base_camera).translation(), small_thinning_));
+      visible = inView(map_.visibility(), prior.mean * T_base_camera, seen.small[v]->camera,
+                       small_thinning_);
     refined.push_back(reducedView(T_base_camera, seen.small[v], std::move(visible)));
   }
   const Pose start =
@@ -300,8 +369,8 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
                               const PoseGaussian& prior) const {
   const std::vector<CameraView>& views = seen.views;
   const auto visibleFrom = [&](const Pose& base, const CameraView& view) {
-    return std::make_shared<const VisibleSet>(
-        map_.visibility().exact((base * view.T_base_camera).translation(), full_thinning_));
+    return inView(map_.visibility(), base * view.T_base_camera, view.image->frame.camera,
+                  full_thinning_);
   };
   std::vector<RefinementView> refined;
   for (const CameraView& view : views) {
@@ -333,7 +402,7 @@ FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
       LikelihoodFrame frame = views[v].image->frame;
       frame.sample_step *= full_thinning_;  // the sets are thinned already
       constexpr double kMoved = 0.05;       // m; what is hidden has changed
-      if ((found.pose.translation() - start.translation()).norm() > kMoved)
+      if (!isNear(found.pose, start, kMoved, kTurn))
         refined[v].visible = visibleFrom(found.pose, views[v]);
       const PoseScore s = evaluateWithVisibleSet(frame, *refined[v].visible, {camera}).front();
       by_images += s.log_likelihood;

@@ -57,6 +57,9 @@ class PoseSearch {
   /// Draws from a Gaussian instead.
   std::vector<Pose> around(const std::vector<CameraView>& views, const PoseGaussian& guess,
                            const std::optional<UpReading>& up, RandomSource* random);
+  /// Elsewhere with the same orientation: along the main directions of the building through this
+  /// pose. Bays, rows of windows, floors look alike from one to the next.
+  std::vector<Pose> alike(const SearchViews& seen, const Pose& pose) const;
 
   SearchViews prepare(std::vector<CameraView> views) const;
   /// Refines one pose in the full images. Its log-likelihood holds what the model's edges find in
@@ -65,6 +68,9 @@ class PoseSearch {
   /// The same from the prior's mean, by way of the reduced images: odometry may be off by more than
   /// a refinement in the full image finds its way back from.
   FoundPose follow(const SearchViews& seen, const PoseGaussian& prior) const;
+
+  /// Whether the cameras are where cameras can be: not in a wall, whose plane many edges lie in.
+  bool admits(const std::vector<CameraView>& views, const Pose& pose) const;
 
   /// The prior for refining a pose that was found: wide, but for roll and pitch where known.
   PoseGaussian looseAround(const Pose& start, const std::optional<UpReading>& up) const;
@@ -75,6 +81,7 @@ class PoseSearch {
     Pose pose;
     std::shared_ptr<const VisibleSet> visible;
     double score = 0;
+    bool admitted = true;
   };
   using SmallViews = std::vector<std::shared_ptr<const SmallImage>>;
 
@@ -93,6 +100,8 @@ class PoseSearch {
   uint32_t small_thinning_, full_thinning_;
   SmallImages small_images_;
   PoseRefiner refiner_;
+  std::shared_ptr<const FreeSpace> space_;
+  std::vector<Eigen::Vector3d> directions_;     // of the building
   std::shared_ptr<const SearchPlaces> places_;  // null before the first search of everything
 };
 

@@ -32,6 +32,18 @@ TEST(FreeSpace, TheInsideOfARoomWithoutTheClearance) {
   EXPECT_GE(space.places(0.4).size(), 8u * 6u * 5u);
 }
 
+TEST(FreeSpace, AnEstimatedPoseMayBeHalfAsFarFromWallsButNotInThem) {
+  MeshSoup soup;
+  addBox(&soup, {0, 0, 0}, {4, 3, 2.5f});
+  const MeshModel mesh = weld(soup);
+  const FreeSpace space(mesh, {0.2, 0.7});
+  EXPECT_TRUE(space.admits({0.15, 1.5, 1.2}));
+  EXPECT_FALSE(space.contains({0.15, 1.5, 1.2}));
+  EXPECT_FALSE(space.admits({0.05, 1.5, 1.2}));
+  EXPECT_FALSE(space.admits({4, 1.5, 1.2}));
+  EXPECT_FALSE(space.admits({5, 1.5, 1.2}));
+}
+
 TEST(FreeSpace, BetweenBuildingsIsNotInside) {
   MeshSoup soup;
   addBox(&soup, {0, 0, 0}, {4, 3, 2.5f});
@@ -52,6 +64,8 @@ TEST(FreeSpace, AroundAnObjectEverythingInItsBoundsIsFree) {
   EXPECT_FALSE(space.isEnclosed());
   EXPECT_TRUE(space.contains({2, 2, 1}));
   EXPECT_FALSE(space.contains({0.4, 0, 1}));
+  EXPECT_TRUE(space.admits({4, 0, 1}));
+  EXPECT_FALSE(space.contains({4, 0, 1}));
 }
 
 TEST(FreeSpace, LinesAloneBlockNothing) {

@@ -10,6 +10,7 @@
 #include "edge_mcl/core/small_image.h"
 #include "edge_mcl/mrpt_plugins/live_localizer.h"
 #include "edge_mcl/sim/simulator.h"
+#include "edge_mcl/sim/trial_flight.h"
 
 namespace edge_mcl {
 namespace {
@@ -40,6 +41,18 @@ LiveInput inputOf(const RecordedFrame& frame, const CameraModel& camera, RandomS
   view.origin = "image";
   input.views = {view};
   return input;
+}
+
+/// Off by up to a metre and 15 degrees.
+PoseGaussian badGuess(const Pose& truth, RandomSource* random) {
+  Twist error;
+  error.head<3>() = 1.0 * random->uniform() * random->direction();
+  error.tail<3>() = 15 * kDegree * random->uniform() * random->direction();
+  PoseGaussian guess;
+  guess.mean = normalized(truth * expSe3(error));
+  guess.covariance.diagonal().head<3>().setConstant(0.25);
+  guess.covariance.diagonal().tail<3>().setConstant(7.5 * kDegree * 7.5 * kDegree);
+  return guess;
 }
 
 /// Smaller than the defaults, for a small building.
@@ -101,6 +114,55 @@ TEST(Search, FindsTheCameraInTheOfficeAndTracksIt) {
   EXPECT_EQ(right, after);
   EXPECT_GT(after, 20) << "of 61 images";
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+}
+
+// A pose that only looks like the right one is often a bay away. The hall's bays are 3.6 m long;
+// the search is not told.
+TEST(Search, FindsTheRightBayFromTheOneBesideIt) {
+  const std::string scenario = std::string(EDGE_MCL_MAPS) + "/hall_flight.yaml";
+  const LocalizationMap map(Scenario::fromYamlFile(scenario).model_file, {});
+  const PoseSearch search(map);
+  constexpr int kFlights = 20;
+  int found = 0;
+  for (int seed = 1; seed <= kFlights; ++seed) {
+    TrialFlight flight(scenario, TrialKind::kTrack, static_cast<uint64_t>(seed), 10, 2, 1, 1, 0);
+    RecordedFrame frame;
+    ASSERT_TRUE(flight.next(&frame));
+    const auto image = map.prepare(flight.camera(), frame.color, frame.mask, "image");
+    const SearchViews seen = search.prepare({{image, Pose::Identity(), 1, nullptr}});
+    Pose wrong = *frame.truth;
+    wrong.pretranslate(Eigen::Vector3d(wrong.translation().x() < 10 ? 3.6 : -3.6, 0, 0));
+    const std::vector<Pose> alike = search.alike(seen, wrong);
+    found += std::any_of(alike.begin(), alike.end(), [&](const Pose& pose) {
+      return isNear(pose, *frame.truth, 0.2, 1 * kDegree);
+    });
+  }
+  // The others look at a bare wall.
+  std::printf("found from the bay beside it: %d of %d\n", found, kFlights);
+  EXPECT_GE(found, 17) << "of " << kFlights;
+}
+
+// Search and filter come to the same place by different ways: then it is believed after three
+// views.
+TEST(Search, ABadGuessIsMadeGoodWithinAFewImages) {
+  const Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
+  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
+  for (const uint64_t seed : {1, 2, 3}) {
+    Simulator simulator(scenario);
+    LiveLocalizer localizer(map);
+    RandomSource random(seed);
+    RecordedFrame frame;
+    int images = 0;
+    do {
+      simulator.next(&frame);
+      if (images == 0) localizer.setPose(badGuess(*frame.truth, &random));
+      localizer.process(inputOf(frame, scenario.camera, &random));
+      ++images;
+    } while (localizer.state() != LocalizerState::kTracking && images < 61);
+    EXPECT_TRUE(isRight(localizer.filter().estimate().mean, *frame.truth)) << "seed " << seed;
+    // A view is new after 0.15 m, and the camera flies slowly.
+    EXPECT_LE(images, 20) << "seed " << seed;
+  }
 }
 
 TEST(Search, FindsItAgainAfterItWasCarriedElsewhere) {
