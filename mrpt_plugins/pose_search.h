@@ -39,8 +39,8 @@ bool isNear(const Pose& a, const Pose& b, double distance, double angle);
 
 class PoseSearch {
  public:
-  /// The map must outlive this object. Cheap; what depends on the map alone is made with the first
-  /// search of the whole model.
+  /// The map must outlive this object, and makes its free space for it; places are made with the
+  /// first search of the whole model.
   explicit PoseSearch(const LocalizationMap& map);
 
   /// Best first, none near another, up to about 10 cm and 3 degrees off: to be sharpened.
