@@ -36,7 +36,6 @@ struct Visibility::Scene {
   }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
-
 };
 
 /// Least-recently-used map of cells.

@@ -78,7 +78,8 @@ TEST(Visibility, RaysTracedTogetherAgreeWithEveryTriangleTriedAlone) {
   }
   // Rays that graze an edge, in single precision: a few in a thousand.
   EXPECT_GT(all, 5000u);
-  EXPECT_LT(static_cast<double>(differ), 0.005 * static_cast<double>(all)) << differ << " of " << all;
+  EXPECT_LT(static_cast<double>(differ), 0.005 * static_cast<double>(all))
+      << differ << " of " << all;
 }
 
 TEST(Visibility, AConeLeavesOutWhatLiesOutsideAndNothingElse) {
@@ -96,8 +97,7 @@ TEST(Visibility, AConeLeavesOutWhatLiesOutsideAndNothingElse) {
         keysOf(visibility.exact(p, 1, {axis.cast<float>(), static_cast<float>(angle)}));
     for (const auto& key : some) EXPECT_EQ(full.count(key), 1u);
     for (const auto& key : full) {
-      const Eigen::Vector3d to =
-          edges.samplePosition(edges.segments[key.first], key.second) - p;
+      const Eigen::Vector3d to = edges.samplePosition(edges.segments[key.first], key.second) - p;
       const double off = std::acos(std::clamp(axis.dot(to.normalized()), -1.0, 1.0));
       if (off > angle - 1e-3) continue;
       ++in_cone;
