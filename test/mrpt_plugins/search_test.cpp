@@ -137,7 +137,7 @@ TEST(Search, FindsTheRightBayFromTheOneBesideIt) {
       return isNear(pose, *frame.truth, 0.2, 1 * kDegree);
     });
   }
-  // The others look at a bare wall.
+  // One misses it. The asked number leaves room for other random flights.
   std::printf("found from the bay beside it: %d of %d\n", found, kFlights);
   EXPECT_GE(found, 17) << "of " << kFlights;
 }
@@ -160,8 +160,9 @@ TEST(Search, ABadGuessIsMadeGoodWithinAFewImages) {
       ++images;
     } while (localizer.state() != LocalizerState::kTracking && images < 61);
     EXPECT_TRUE(isRight(localizer.filter().estimate().mean, *frame.truth)) << "seed " << seed;
-    // A view is new after 0.15 m, and the camera flies slowly.
-    EXPECT_LE(images, 20) << "seed " << seed;
+    std::printf("seed %d: tracking after %d images\n", static_cast<int>(seed), images);
+    // The filter alone has to prove itself for a second, 15 images.
+    EXPECT_LE(images, 15) << "seed " << seed;
   }
 }
 
