@@ -11,6 +11,7 @@
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/live_localizer.h"
+#include "edge_mcl/mrpt_plugins/pose_sharpener.h"
 #include "edge_mcl/sim/trial_flight.h"
 #include "output_files.h"
 #include "progress_bar.h"

@@ -39,16 +39,13 @@ GlobalLocalizer::GlobalLocalizer(const LocalizationMap& map, uint64_t seed)
 
 void GlobalLocalizer::begin() {
   keyframes_.clear();
-  keyframe_count_ = 0;
+  keyframe_count_ = look_count_ = 0;
   hypotheses_.clear();
   guess_.reset();
   only_guess_ = false;
   up_.reset();
   tilt_is_assumed_ = false;
-  motion_ = Pose::Identity();
-  variance_.setZero();
-  elapsed_ = 0;
-  has_odometry_ = true;
+  since_ = {};
   report_ = {};
 }
 
@@ -64,10 +61,7 @@ void GlobalLocalizer::move(const std::optional<Pose>& increment, double dt) {
   const FilterParameters& p = map_.params().filter;
   const Pose step = increment.value_or(Pose::Identity());
   const Twist sigma = increment ? odometryNoise(p, step, dt) : walkNoise(p, dt);
-  motion_ = normalized(motion_ * step);
-  variance_ += sigma.cwiseAbs2();
-  elapsed_ += dt;
-  has_odometry_ = has_odometry_ && increment.has_value();
+  since_.add(p, increment, dt);
   if (up_) {
     up_->up_base = step.linear().transpose() * up_->up_base;
     up_->sigma = std::hypot(up_->sigma, sigma[3]);
@@ -76,16 +70,8 @@ void GlobalLocalizer::move(const std::optional<Pose>& increment, double dt) {
   if (guess_) guess_ = moved(*guess_, step, sigma);
 }
 
-bool GlobalLocalizer::isNewView() const {
-  if (keyframes_.empty()) return true;
-  const SearchParameters& p = map_.params().search;
-  if (!has_odometry_) return elapsed_ >= p.keyframe_period;
-  return motion_.translation().norm() >= p.keyframe_distance ||
-         logSo3(motion_.linear()).norm() >= p.keyframe_angle_deg * kDegree;
-}
-
 PoseGaussian GlobalLocalizer::predicted(const FoundPose& before, const Pose& motion,
-                                        const Twist& variance) const {
+                                        const Twist& variance) {
   // A refined pose is itself at least this uncertain.
   constexpr double kPosition = 0.02, kAngle = 0.5 * kDegree;
   PoseGaussian result = moved({before.pose, before.covariance}, motion, variance.cwiseSqrt());
@@ -95,7 +81,7 @@ PoseGaussian GlobalLocalizer::predicted(const FoundPose& before, const Pose& mot
 }
 
 SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
-                                      const std::optional<UpReading>& up) {
+                                      const std::optional<UpReading>& up, bool look) {
   const auto begin = std::chrono::steady_clock::now();
   // An assumption that leads nowhere is given up.
   constexpr int kAssumedFor = 6;  // keyframes
@@ -106,12 +92,13 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
   }
   report_.keyframe = false;
   report_.total_ms = 0;
-  if (!isNewView()) {
-    report_.estimate.mean =
-        hypotheses_.empty() ? Pose::Identity() : normalized(hypotheses_.front().pose * motion_);
+  if (!keyframes_.empty() && !since_.isNewView(map_.params().search)) {
+    report_.estimate.mean = hypotheses_.empty()
+                                ? Pose::Identity()
+                                : normalized(hypotheses_.front().pose * since_.motion);
     return report_;
   }
-  keyframes_.push_back({search_.prepare(views), motion_, variance_});
+  keyframes_.push_back({search_.prepare(views), since_});
   ++keyframe_count_;
   if (keyframes_.size() > static_cast<size_t>(map_.params().search.window)) {
     keyframes_.pop_front();
@@ -121,13 +108,10 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
     }
   }
   follow();
-  motion_ = Pose::Identity();
-  variance_.setZero();
-  elapsed_ = 0;
-  has_odometry_ = true;
-  look();
+  since_ = {};
+  if (look) this->look();
   sort();
-  smooth();
+  if (look) smooth();
   prune();
   report_ = judge();
   report_.keyframe = true;
@@ -140,7 +124,7 @@ void GlobalLocalizer::follow() {
   const Keyframe& now = keyframes_.back();
   tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
-    h.expected = predicted(h.history.back(), now.motion, now.variance);
+    h.expected = predicted(h.history.back(), now.since.motion, now.since.variance);
     const FoundPose found = search_.follow(now.seen, h.expected);
     h.pose = found.pose;
     h.total += found.log_likelihood;
@@ -160,7 +144,7 @@ std::vector<CameraView> GlobalLocalizer::rig() const {
       view.T_base_camera = to_then * view.T_base_camera;
       views.push_back(std::move(view));
     }
-    to_then = to_then * keyframes_[k].motion.inverse();
+    to_then = to_then * keyframes_[k].since.motion.inverse();
   }
   return views;
 }
@@ -177,8 +161,8 @@ std::vector<Pose> GlobalLocalizer::candidates() {
   add(whereItLooksAlike());
   // What so many looks have not found, the next will hardly find.
   constexpr int kEager = 12, kSeldom = 4;
-  if (keyframe_count_ > kEager && keyframe_count_ % kSeldom != 0) return found;
-  const int look = keyframe_count_ > kEager ? keyframe_count_ / kSeldom : keyframe_count_;
+  if (look_count_ > kEager && look_count_ % kSeldom != 0) return found;
+  const int look = look_count_ > kEager ? look_count_ / kSeldom : look_count_;
   // Both ways at first, then in turn.
   const bool even = look % 2 == 0;
   if (!even || look == 2) add(search_.everywhere(views, up_, &random_));
@@ -257,7 +241,7 @@ GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) c
   for (size_t k = keyframes_.size() - 1; k > 0; --k) {
     const Keyframe& later = keyframes_[k];
     last = search_.follow(keyframes_[k - 1].seen,
-                          predicted(last, later.motion.inverse(), later.variance));
+                          predicted(last, later.since.motion.inverse(), later.since.variance));
     h.total += last.log_likelihood;
     h.history.push_front(last);
   }
@@ -265,6 +249,7 @@ GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) c
 }
 
 void GlobalLocalizer::look() {
+  ++look_count_;
   const std::vector<Pose> starts = candidates();
   std::vector<FoundPose> found(starts.size());
   tbb::parallel_for(size_t{0}, starts.size(), [&](size_t i) {

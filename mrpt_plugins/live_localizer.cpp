@@ -6,6 +6,8 @@
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/image_contours.h"
+#include "edge_mcl/mrpt_plugins/background_search.h"
+#include "edge_mcl/mrpt_plugins/global_localizer.h"
 #include "edge_mcl/mrpt_plugins/motion_noise.h"
 
 namespace edge_mcl {
@@ -28,11 +30,12 @@ const char* nameOf(LocalizerState state) {
   return "?";
 }
 
-LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map)
+LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map, bool search_in_background)
     : map_(std::move(map)),
       tracking_(map_->params().tracking),
       filter_(map_->params().filter, map_->params().refinement),
-      proof_(map_->params()) {}
+      proof_(map_->params()),
+      search_in_background_(search_in_background) {}
 
 void LiveLocalizer::begin() {
   initial_ = filter_.estimate();
@@ -53,25 +56,35 @@ bool LiveLocalizer::isSpreadWide() const {
          std::sqrt(variance.tail<3>().maxCoeff()) > kWideAngle;
 }
 
+bool LiveLocalizer::isLeftToSearch(const LiveInput& input) const {
+  // Particles so far apart see the model from as many places, which takes as long as a search of
+  // all the building and seldom leads anywhere. Without odometry there is no other hope.
+  return state_ == LocalizerState::kLost && searching_ && !only_around_ && input.odometry &&
+         isSpreadWide();
+}
+
 void LiveLocalizer::setPose(const PoseGaussian& pose) {
   filter_.initialize(pose);
   begin();
 }
 
 void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
-  global_.reset();  // refers to the map
+  finder_.reset();  // refers to the map
   map_ = std::move(map);
   if (searching_) beginSearch(false);
 }
 
 void LiveLocalizer::beginSearch(bool only_around) {
-  if (!global_)
-    global_ = std::make_unique<GlobalLocalizer>(*map_, map_->params().filter.seed * 7919 + 17);
+  const uint64_t seed = map_->params().filter.seed * 7919 + 17;
+  if (!finder_ && search_in_background_)
+    finder_ = std::make_unique<BackgroundSearch>(*map_, seed);
+  else if (!finder_)
+    finder_ = std::make_unique<GlobalLocalizer>(*map_, seed);
   // What is known while lost is worth a look around.
   if (initial_)
-    global_->begin(filter_.estimate(), only_around);
+    finder_->begin(filter_.estimate(), only_around);
   else
-    global_->begin();
+    finder_->begin();
   searching_ = true;
   only_around_ = only_around;
 }
@@ -86,7 +99,7 @@ void LiveLocalizer::searchEverywhere() {
 
 void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>& views,
                            LiveResult* result) {
-  const SearchReport report = global_->process(views, input.up);
+  const SearchReport report = finder_->process(views, input.up);
   result->clusters = report.clusters;
   result->search_keyframes = report.keyframes;
   result->search_ms = report.total_ms;
@@ -130,11 +143,14 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
       result->problem = "the image is older than the one before, not used";
       return false;
     }
-    // A recording that is played again, or a simulation that begins anew.
-    if (initial_)
+    // A recording that is played again, or a simulation that begins anew; or one that was only
+    // turned back a little, and then the robot is not where it began.
+    if (initial_) {
       setPose(PoseGaussian(*initial_));
-    else
+      proof_.require(true);
+    } else {
       searchEverywhere();
+    }
     result->restarted = true;
     result->problem = initial_ ? "the clock jumped back; began again at the initial pose"
                                : "the clock jumped back; the search began again";
@@ -145,7 +161,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
     std::optional<Pose> increment;
     if (input.odometry && last_odometry_)
       increment = normalized(last_odometry_->inverse() * *input.odometry);
-    if (searching_) global_->move(increment, dt);
+    if (searching_) finder_->move(increment, dt);
     if (initial_ && !fresh_) {
       const Pose before = filter_.estimate().mean;
       const FilterParameters& p = map_->params().filter;
@@ -323,7 +339,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
   const std::vector<CameraView> views = prepare(input, result, &problem);
   bool trusted = false;
   if (isInitialized()) {
-    if (!views.empty()) {
+    if (!views.empty() && !isLeftToSearch(input)) {
       const std::string of_use = useImages(views, result);
       if (!of_use.empty()) problem = of_use;
     }
@@ -341,7 +357,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
       const bool contradicted =
           result->updated ? !confirmed : !searching_ && showWhatIsNotInView(views);
       const bool astray = isSpreadWide() || input.time - *trusted_at_ > kBlindly;
-      if (contradicted || astray) proof_.require();
+      if (contradicted || astray) proof_.require(contradicted);
       const bool has_cause = contradicted || isSpreadWide() || result->updated;
       if (proof_.isNeeded() && has_cause && (!searching_ || only_around_) &&
           map_->params().search.recover)

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
-#include "edge_mcl/mrpt_plugins/global_localizer.h"
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
+#include "edge_mcl/mrpt_plugins/pose_finder.h"
 #include "edge_mcl/mrpt_plugins/pose_proof.h"
 
 namespace edge_mcl {
@@ -62,7 +62,11 @@ struct LiveResult {
 
 class LiveLocalizer {
  public:
-  explicit LiveLocalizer(std::shared_ptr<const LocalizationMap> map);
+  /// @param search_in_background images go on being used while the pose is looked for; then what
+  /// is found, and when, depends on the speed of the machine. Otherwise process() takes seconds for
+  /// some of them.
+  explicit LiveLocalizer(std::shared_ptr<const LocalizationMap> map,
+                         bool search_in_background = false);
 
   /// Begins here, T_map_base, with the next image. @throws InputError when it is not finite.
   void setPose(const PoseGaussian& pose);
@@ -97,6 +101,7 @@ class LiveLocalizer {
   void beginSearch(bool only_around);
   static bool showWhatIsNotInView(const std::vector<CameraView>& views);
   bool isSpreadWide() const;
+  bool isLeftToSearch(const LiveInput& input) const;
   void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
   bool agreesWith(const SearchReport& report) const;
   bool weigh(double time, const LiveResult& result);
@@ -115,9 +120,10 @@ class LiveLocalizer {
   bool fresh_ = false;  // no image since the pose was given
   std::optional<double> last_time_;
   std::optional<Pose> last_odometry_;
-  std::optional<Pose> odometry_of_update_;   // where the images were last used
-  std::optional<double> trusted_at_;         // last time, or when it began
-  std::unique_ptr<GlobalLocalizer> global_;  // made when first needed
+  std::optional<Pose> odometry_of_update_;  // where the images were last used
+  std::optional<double> trusted_at_;        // last time, or when it began
+  const bool search_in_background_;
+  std::unique_ptr<PoseFinder> finder_;  // made when first needed
   bool searching_ = false;
   bool only_around_ = false;  // the search looks around the given pose only
 };

@@ -9,7 +9,8 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr double kManyLines = 6;
+// In view, for a pose that is about known, and for one that may be anywhere.
+constexpr double kManyLines = 6, kManyLinesAnywhere = 15;
 
 }  // namespace
 
@@ -18,6 +19,7 @@ PoseProof::PoseProof(const Parameters& params)
 
 void PoseProof::begin(bool needed) {
   needed_ = needed;
+  anywhere_ = false;
   expected_.reset();
   anchors_.clear();
   usual_ratio_ = 0;
@@ -100,10 +102,16 @@ bool PoseProof::weigh(const ImageVerdict& image, const PoseGaussian& estimate) {
     double enough = kLongEnough;
     if (enough_ratio_ > 0)
       enough *= std::pow(std::max(1.0, enough_ratio_ / std::max(ratios_ / images_, 0.01)), 2);
-    if (lines_ > 0) enough *= std::max(1.0, kManyLines * images_ / lines_);
+    if (lines_ > 0) {
+      const double few = (anywhere_ ? kManyLinesAnywhere : kManyLines) * images_ / lines_;
+      enough *= std::pow(std::max(1.0, few), anywhere_ ? 2 : 1);
+    }
     needed_ = image.time - *since_ < enough || images_ < kEnoughImages;
   }
-  if (!needed_) trust(image, estimate);
+  if (!needed_) {
+    anywhere_ = false;
+    trust(image, estimate);
+  }
   return !needed_;
 }
 

@@ -28,7 +28,12 @@ class PoseProof {
 
   /// A new pose. @param needed one image that fits does not prove it.
   void begin(bool needed);
-  void require() { needed_ = true; }
+  /// One image does not prove it any more. @param anywhere the robot may be anywhere in the model:
+  /// where few lines are in view, there are many places where they fit.
+  void require(bool anywhere) {
+    needed_ = true;
+    anywhere_ = anywhere_ || anywhere;
+  }
   bool isNeeded() const { return needed_; }
   /// Images in a row that fitted, up to the last one.
   int confirmations() const { return since_ ? images_ : 0; }
@@ -51,7 +56,7 @@ class PoseProof {
   void trust(const ImageVerdict& image, const PoseGaussian& estimate);
 
   const double enough_ratio_;  // match ratio that needs no more time; 0: there are no images
-  bool needed_ = false;
+  bool needed_ = false, anywhere_ = false;
   std::optional<PoseGaussian> expected_;  // the last one that was trusted, moved by odometry
   std::deque<Anchor> anchors_;            // those before it, oldest first
   double usual_ratio_ = 0;                // mean match ratio of the last trusted images

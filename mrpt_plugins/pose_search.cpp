@@ -16,12 +16,6 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 
-// What an explained pixel of an image of this width is worth: a long contour about as much as the
-// line of the model that lies on it.
-constexpr double kNatsPerContourPixel = 0.2, kContourWidth = 640;
-// What a pixel of the model's visible edges is worth that the image does not show. Images do not
-// show all that is there: where they show a third of it, a pose still gains.
-constexpr double kShareOfMissingPixel = 0.5;
 // Effort of a refinement in the reduced image: iterations, samples.
 constexpr RefinementEffort kReducedEffort{6, 200};
 
@@ -69,18 +63,6 @@ RefinementView reducedView(const Pose& T_base_camera,
   return view;
 }
 
-// How far a refinement may turn a camera before what comes into view is looked up anew.
-constexpr double kTurn = 25 * kDegree;
-
-/// What a camera sees of the model, also after it was turned by kTurn.
-std::shared_ptr<const VisibleSet> inView(const Visibility& visibility, const Pose& T_map_camera,
-                                         const CameraModel& camera, uint32_t thinning) {
-  const ViewCone cone{T_map_camera.linear().col(2).cast<float>(),
-                      static_cast<float>(camera.view.angle + kTurn)};
-  return std::make_shared<const VisibleSet>(
-      visibility.exact(T_map_camera.translation(), thinning, cone));
-}
-
 /// Leaves out what is near a better one. Keeps at most `most`.
 template <class Item>
 std::vector<Item> distinct(std::vector<Item> items, size_t most, double distance, double angle) {
@@ -97,22 +79,14 @@ std::vector<Item> distinct(std::vector<Item> items, size_t most, double distance
 
 }  // namespace
 
-bool isNear(const Pose& a, const Pose& b, double distance, double angle) {
-  return (a.translation() - b.translation()).squaredNorm() < distance * distance &&
-         rotationAngle(a, b) < angle;
-}
-
 PoseSearch::PoseSearch(const LocalizationMap& map)
     : map_(map),
       small_thinning_(SearchPlaces::thinningFor(map.edges())),
-      full_thinning_(SearchPlaces::thinningTo(map.edges(), 6000)),
       small_images_(map.params(), map.params().search.small_width, map.edges().sample_step,
                     small_thinning_),
-      refiner_(map.params().refinement, map.params().likelihood, map.params().image),
+      sharpener_(map),
       space_(map.freeSpace()),
-      directions_(mainDirections(map.edges())) {
-  if (map.depth()) refiner_.setDepth(map.sharedDepth());
-}
+      directions_(mainDirections(map.edges())) {}
 
 PoseSearch::SmallViews PoseSearch::reduce(const std::vector<CameraView>& views) const {
   SmallViews small;
@@ -325,8 +299,8 @@ std::vector<Pose> PoseSearch::alike(const SearchViews& seen, const Pose& pose) c
     Start& start = starts[i];
     start.admitted = admits(seen.views, start.pose);
     if (!start.admitted) return;
-    const auto visible = inView(map_.visibility(), start.pose * T_base_camera,
-                                seen.small[image]->camera, small_thinning_);
+    const auto visible = visibleInView(map_.visibility(), start.pose * T_base_camera,
+                                       seen.small[image]->camera, small_thinning_);
     score(seen.views, seen.small, false, visible, {start.pose}, &start.score);
   });
   starts.erase(std::remove_if(starts.begin(), starts.end(),
@@ -356,78 +330,13 @@ FoundPose PoseSearch::follow(const SearchViews& seen, const PoseGaussian& prior)
     const Pose& T_base_camera = seen.views[v].T_base_camera;
     std::shared_ptr<const VisibleSet> visible;
     if (seen.small[v])
-      visible = inView(map_.visibility(), prior.mean * T_base_camera, seen.small[v]->camera,
-                       small_thinning_);
+      visible = visibleInView(map_.visibility(), prior.mean * T_base_camera, seen.small[v]->camera,
+                              small_thinning_);
     refined.push_back(reducedView(T_base_camera, seen.small[v], std::move(visible)));
   }
   const Pose start =
       small_images_.refiner().refine(refined, prior.mean, prior, kReducedEffort).pose;
-  return sharpen(seen, start, prior);
-}
-
-FoundPose PoseSearch::sharpen(const SearchViews& seen, const Pose& start,
-                              const PoseGaussian& prior) const {
-  const std::vector<CameraView>& views = seen.views;
-  const auto visibleFrom = [&](const Pose& base, const CameraView& view) {
-    return inView(map_.visibility(), base * view.T_base_camera, view.image->frame.camera,
-                  full_thinning_);
-  };
-  std::vector<RefinementView> refined;
-  for (const CameraView& view : views) {
-    RefinementView r;
-    r.T_base_camera = view.T_base_camera;
-    r.depth = view.depth.get();
-    if (view.image) {
-      r.camera = &view.image->frame.camera;
-      r.image = &view.image->edges;
-      r.pixels = &view.image->pixels;
-      r.visible = visibleFrom(start, view);
-    }
-    refined.push_back(std::move(r));
-  }
-  const RefinementParameters& p = map_.params().refinement;
-  const RefinementResult result =
-      refiner_.refine(refined, start, prior, {p.iterations, p.start_samples});
-  FoundPose found;
-  found.pose = result.pose;
-  found.covariance = result.covariance;
-  if (result.used_samples > 0)
-    found.match_ratio = static_cast<double>(result.matched_samples) / result.used_samples;
-  double by_images = 0, lines = 0, points = 0, on_model = 0;
-  double contours = 0;  // pixels
-  double widest = kContourWidth;
-  for (size_t v = 0; v < views.size(); ++v) {
-    const Pose camera = found.pose * views[v].T_base_camera;
-    if (views[v].image) {
-      LikelihoodFrame frame = views[v].image->frame;
-      frame.sample_step *= full_thinning_;  // the sets are thinned already
-      constexpr double kMoved = 0.05;       // m; what is hidden has changed
-      if (!isNear(found.pose, start, kMoved, kTurn))
-        refined[v].visible = visibleFrom(found.pose, views[v]);
-      const PoseScore s = evaluateWithVisibleSet(frame, *refined[v].visible, {camera}).front();
-      by_images += s.log_likelihood;
-      lines += static_cast<double>(s.line_count);
-      widest = std::max(widest, static_cast<double>(frame.camera.width));
-      const ContourMatch match =
-          seen.contours[v]->compare(*refined[v].visible, frame.camera, camera, frame.sample_step);
-      contours += static_cast<double>(match.explained) -
-                  kShareOfMissingPixel * static_cast<double>(match.missing);
-    }
-    if (views[v].depth && map_.depth()) {
-      const DepthScore s = map_.depth()->evaluate(*views[v].depth, {camera}).front();
-      found.log_likelihood += s.log_likelihood;
-      points += static_cast<double>(views[v].depth->count);
-      on_model += static_cast<double>(views[v].depth->count) * static_cast<double>(s.agreement);
-    }
-  }
-  found.evidence = scorePerLine(map_.params().likelihood, by_images, lines);
-  found.log_likelihood +=
-      map_.params().likelihood.model == LikelihoodModel::kRobust
-          ? combineLines(searchLikelihood(map_.params()), found.evidence * lines, lines)
-          : by_images;
-  found.log_likelihood += kNatsPerContourPixel * kContourWidth / widest * contours;
-  if (points > 0) found.depth_agreement = on_model / points;
-  return found;
+  return sharpener_.sharpen(seen, start, prior);
 }
 
 }  // namespace edge_mcl

@@ -9,33 +9,11 @@
 #include <optional>
 #include <vector>
 
-#include "edge_mcl/core/image_contours.h"
-#include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/core/random_source.h"
-#include "edge_mcl/core/small_image.h"
+#include "edge_mcl/mrpt_plugins/pose_sharpener.h"
 #include "edge_mcl/mrpt_plugins/tilt_correction.h"
 
 namespace edge_mcl {
-
-/// A pose, refined, and what the images say of it.
-struct FoundPose {
-  Pose pose = Pose::Identity();          ///< T_map_base
-  Matrix6 covariance = Matrix6::Zero();  ///< of the refinement, with its prior; tangent space
-  double log_likelihood = 0;
-  double evidence = 0;          ///< per line, see UpdateReport::evidence_per_line
-  double match_ratio = 0;       ///< share of the visible samples with an image edge in reach
-  double depth_agreement = -1;  ///< share of the depth points on the model; negative: none used
-};
-
-/// What was seen at one moment, with what the search asks of it more than once.
-struct SearchViews {
-  std::vector<CameraView> views;
-  std::vector<std::shared_ptr<const ImageContours>> contours;  ///< of each; null without image
-  std::vector<std::shared_ptr<const SmallImage>> small;        ///< likewise
-};
-
-/// Closer than this in position and angle.
-bool isNear(const Pose& a, const Pose& b, double distance, double angle);
 
 class PoseSearch {
  public:
@@ -62,9 +40,10 @@ class PoseSearch {
   std::vector<Pose> alike(const SearchViews& seen, const Pose& pose) const;
 
   SearchViews prepare(std::vector<CameraView> views) const;
-  /// Refines one pose in the full images. Its log-likelihood holds what the model's edges find in
-  /// the images, what of the images' contours the model explains, and what it shows in vain.
-  FoundPose sharpen(const SearchViews& seen, const Pose& start, const PoseGaussian& prior) const;
+  /// Refines one pose in the full images, see PoseSharpener.
+  FoundPose sharpen(const SearchViews& seen, const Pose& start, const PoseGaussian& prior) const {
+    return sharpener_.sharpen(seen, start, prior);
+  }
   /// The same from the prior's mean, by way of the reduced images: odometry may be off by more than
   /// a refinement in the full image finds its way back from.
   FoundPose follow(const SearchViews& seen, const PoseGaussian& prior) const;
@@ -97,9 +76,9 @@ class PoseSearch {
                            std::vector<Start> starts, const std::optional<UpReading>& up) const;
 
   const LocalizationMap& map_;
-  uint32_t small_thinning_, full_thinning_;
+  uint32_t small_thinning_;
   SmallImages small_images_;
-  PoseRefiner refiner_;
+  PoseSharpener sharpener_;
   std::shared_ptr<const FreeSpace> space_;
   std::vector<Eigen::Vector3d> directions_;     // of the building
   std::shared_ptr<const SearchPlaces> places_;  // null before the first search of everything

@@ -42,7 +42,7 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
     : nh_(nh), private_nh_(private_nh), transport_(nh), diagnostics_(nh, private_nh) {
   applyParameters(readPrivateParameters(private_nh_), &params_, &method_);
   const auto map = loadMap(params_.model_file, method_);
-  localizer_ = std::make_unique<LiveLocalizer>(map);
+  localizer_ = std::make_unique<LiveLocalizer>(map, params_.search_in_background);
   if (params_.has_initial_pose) localizer_->setPose(params_.initialPose());
   publisher_ = std::make_unique<ResultPublisher>(nh_, private_nh_, params_);
   publisher_->publishModel(*map);

@@ -29,6 +29,7 @@ struct NodeParameters {
   double depth_timeout = 0.1;
   double depth_window = kDepthWindow;
   bool global_start = false;
+  bool search_in_background = true;
   bool use_imu = false;
   double imu_sigma = 0.02;
   int max_cloud_poses = 500;
@@ -62,6 +63,8 @@ struct NodeParameters {
     v("depth_timeout", depth_timeout, "s", "how long the depth image of an image is awaited");
     v("depth_window", depth_window, "s", "an image and a depth image this close are one moment");
     v("global_start", global_start, "", "without an initial pose: look for it in the whole model");
+    v("search_in_background", search_in_background, "",
+      "use images while the pose is looked for; false: each search waits, images are dropped");
     v("use_imu", use_imu, "", "roll and pitch from the orientation in sensor_msgs/Imu on imu");
     v("imu_sigma", imu_sigma, "rad", "their standard deviation");
     v("max_cloud_poses", max_cloud_poses, "", "poses in particlecloud at most");

@@ -55,6 +55,21 @@ TEST_F(Followed, AfterTwoDoubtsOneImageIsChance) {
   EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
 }
 
+TEST_F(Followed, WhereItMayBeAnywhereFewLinesProveLittle) {
+  proof_.begin(false);
+  proof_.require(true);
+  EXPECT_NEAR(imagesUntilTrusted(0, 20), 11, 1);
+  proof_.begin(false);
+  proof_.require(false);
+  EXPECT_NEAR(imagesUntilTrusted(0, 6), 11, 1);
+  proof_.begin(false);
+  proof_.require(true);
+  EXPECT_NEAR(imagesUntilTrusted(0, 6), 63, 2);  // (15 / 6)^2 times a second
+  // Proven once, it is about known again.
+  for (int i = 0; i < 2; ++i) EXPECT_FALSE(image(0, false));
+  EXPECT_NEAR(imagesUntilTrusted(0, 6), 11, 1);
+}
+
 TEST_F(Followed, APoseWhereOdometryDidNotGoTakesASecond) {
   proof_.begin(false);
   EXPECT_TRUE(image(0));

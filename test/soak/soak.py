@@ -41,8 +41,8 @@ class Silent:
 class Judge:
     """What the localizer says of each image against the truth."""
 
-    def __init__(self, feeder):
-        self.feeder, self.lock = feeder, threading.Lock()
+    def __init__(self, feeder, log_file):
+        self.feeder, self.lock, self.log_file = feeder, threading.Lock(), log_file
         self.statuses, self.poses = {}, {}
         self.tracking, self.silent, self.right_in_a_row = 0, [], 0
         self.carried_at = None  # stamp, s
@@ -82,6 +82,9 @@ class Judge:
         since = None if self.carried_at is None else stamp * 1e-9 - self.carried_at
         if since is None or not 0 <= since <= ANNOUNCED_WITHIN:
             self.silent.append(Silent(stamp * 1e-9, metres, degrees, self.fault))
+            with open(self.log_file, 'a') as log:
+                print('%.1f s: tracking, %.2f m and %.1f degrees off, after: %s' % (
+                    stamp * 1e-9, metres, degrees, self.fault), file=log)
 
     def forget(self, fault, carried_at):
         with self.lock:
@@ -117,7 +120,7 @@ class Soak:
                 'depth/camera_info:=camera/camera_info']
         rospy.init_node('soak', disable_signals=True)
         self.feeder = FlightFeeder(a.bag, a.rate, a.every)
-        self.judge = Judge(self.feeder)
+        self.judge = Judge(self.feeder, os.path.join(a.out, 'faults.log'))
         for name, remaps in (('edge_mcl_localizer', camera + more), ('edge_mcl_detector', camera),
                              ('edge_mcl_viewer',
                               camera + more + ['status:=edge_mcl_localizer/status'])):

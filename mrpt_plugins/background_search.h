@@ -1,0 +1,75 @@
+/// A search of the pose in a thread of its own, so that images are used while it thinks.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "edge_mcl/mrpt_plugins/pose_finder.h"
+
+namespace edge_mcl {
+
+/// GlobalLocalizer takes seconds for a new view, in which a robot flies metres: views that are far
+/// apart share little, and odometry drifts between them. Here views wait in a queue while an older
+/// one is worked at; those that are not the newest are only followed, not searched anew. What is
+/// found is carried to the present by odometry. Takes half of the cores at most. What it finds
+/// depends on how fast the machine is.
+class BackgroundSearch : public PoseFinder {
+ public:
+  /// The map must outlive this object.
+  BackgroundSearch(const LocalizationMap& map, uint64_t seed);
+  /// Waits for the view that is worked at.
+  ~BackgroundSearch() override;
+
+  void begin() override;
+  void begin(const PoseGaussian& guess, bool only_there) override;
+  void move(const std::optional<Pose>& increment, double dt) override;
+  /// Returns at once. @throws what the search has thrown meanwhile
+  SearchReport process(const std::vector<CameraView>& views,
+                       const std::optional<UpReading>& up) override;
+
+ private:
+  struct Begin {
+    std::optional<PoseGaussian> guess;
+    bool only_there = false;
+  };
+  using Moves = std::vector<std::pair<std::optional<Pose>, double>>;
+  struct View {
+    Moves moves;  // since the view before
+    std::vector<CameraView> views;
+    std::optional<UpReading> up;
+    size_t number = 0;
+  };
+  /// A view that was offered, and the motion since.
+  struct Offered {
+    size_t number;
+    MotionSince since;
+  };
+
+  void beginWith(Begin begin);
+  void offer(const std::vector<CameraView>& views, const std::optional<UpReading>& up);
+  SearchReport carriedToNow(SearchReport report, const MotionSince& since) const;
+  void run();
+
+  const LocalizationMap& map_;
+  const uint64_t seed_;
+  // Used by the caller's thread only.
+  Moves moves_;                  // since the newest view that was offered
+  std::deque<Offered> offered_;  // from the one that was reported last on, oldest first
+  size_t count_ = 0;
+  // Shared.
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<Begin> begin_;  // asked for, not yet done
+  std::deque<View> waiting_;
+  std::optional<std::pair<size_t, SearchReport>> reported_;  // view's number; newest
+  bool is_news_ = false;                                     // nobody has been told yet
+  std::exception_ptr failure_;
+  bool stop_ = false;
+  std::thread thread_;  // last, uses all of the above
+};
+
+}  // namespace edge_mcl
