@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "edge_mcl/mrpt_plugins/global_localizer.h"
 
@@ -28,8 +29,9 @@ void BackgroundSearch::begin(const PoseGaussian& guess, bool only_there) {
 }
 
 void BackgroundSearch::beginWith(Begin begin) {
-  moves_.clear();
-  offered_.clear();
+  since_begin_ = {};
+  since_view_ = {};
+  has_view_ = false;
   const std::lock_guard<std::mutex> lock(mutex_);
   begin_ = std::move(begin);
   waiting_.clear();
@@ -37,52 +39,53 @@ void BackgroundSearch::beginWith(Begin begin) {
   is_news_ = false;
 }
 
-void BackgroundSearch::move(const std::optional<Pose>& increment, double dt) {
-  moves_.emplace_back(increment, dt);
-  for (Offered& offered : offered_) offered.since.add(map_.params().filter, increment, dt);
+void BackgroundSearch::move(const BaseMotion& motion) {
+  since_begin_.add(motion);
+  since_view_.add(motion);
 }
 
 void BackgroundSearch::offer(const std::vector<CameraView>& views,
                              const std::optional<UpReading>& up) {
-  if (!offered_.empty() && !offered_.back().since.isNewView(map_.params().search)) return;
+  if (has_view_ && !since_view_.isNewView(map_.params().search)) return;
   // Older ones are given up; what remains is still less far apart than if all but one were.
   constexpr size_t kMostWaiting = 3;
   if (waiting_.size() >= kMostWaiting) {
-    Moves& next = waiting_[1].moves;
-    next.insert(next.begin(), waiting_[0].moves.begin(), waiting_[0].moves.end());
+    BaseMotion both = waiting_[0].before;
+    both.add(waiting_[1].before);
+    waiting_[1].before = both;
     waiting_.pop_front();
   }
-  waiting_.push_back({std::move(moves_), views, up, ++count_});
-  moves_.clear();
-  offered_.push_back({count_, {}});
+  waiting_.push_back({since_view_, views, up, since_begin_});
+  since_view_ = {};
+  has_view_ = true;
 }
 
 SearchReport BackgroundSearch::process(const std::vector<CameraView>& views,
                                        const std::optional<UpReading>& up) {
   SearchReport report;
-  size_t number = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     offer(views, up);
-    if (reported_) {
-      number = reported_->first;
-      report = reported_->second;
-    }
+    if (reported_) report = carriedToNow(*reported_);
     report.keyframe = std::exchange(is_news_, false);
   }
   wake_.notify_one();
   if (!report.keyframe) report.total_ms = 0;
-  if (number == 0) return report;
-  while (offered_.front().number < number) offered_.pop_front();
-  return carriedToNow(std::move(report), offered_.front().since);
+  return report;
 }
 
-SearchReport BackgroundSearch::carriedToNow(SearchReport report, const MotionSince& since) const {
-  report.estimate = moved(report.estimate, since.motion, since.variance.cwiseSqrt());
-  for (PoseCluster& cluster : report.clusters)
-    cluster.pose = normalized(cluster.pose * since.motion);
-  return report;
+SearchReport BackgroundSearch::carriedToNow(const Report& then) const {
+  const Pose motion = then.since_begin.step.inverse() * since_begin_.step;
+  const Twist variance = since_begin_.variance - then.since_begin.variance;
+  SearchReport now = then.report;
+  const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
+  constexpr double kPosition = 0.1, kAngle = 3 * M_PI / 180, kBlind = 0.3;  // m, rad, s
+  now.stale = sigma.head<3>().maxCoeff() > kPosition || sigma.tail<3>().maxCoeff() > kAngle ||
+              since_begin_.blind - then.since_begin.blind > kBlind;
+  now.estimate = moved(now.estimate, motion, sigma);
+  for (PoseCluster& cluster : now.clusters) cluster.pose = normalized(cluster.pose * motion);
+  return now;
 }
 
 void BackgroundSearch::run() {
@@ -106,7 +109,7 @@ void BackgroundSearch::run() {
           search->begin(*begin->guess, begin->only_there);
         else if (begin)
           search->begin();
-        for (const auto& [increment, dt] : view.moves) search->move(increment, dt);
+        search->move(view.before);
         report = search->process(view.views, view.up, is_newest);
       });
     } catch (...) {
@@ -116,7 +119,7 @@ void BackgroundSearch::run() {
     if (begin_) continue;  // nobody asks for this any more
     failure_ = failure;
     if (failure || !report.keyframe) continue;
-    reported_ = {view.number, report};
+    reported_ = {std::move(report), view.since_begin};
     is_news_ = true;
   }
 }

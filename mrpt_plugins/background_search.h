@@ -26,7 +26,7 @@ class BackgroundSearch : public PoseFinder {
 
   void begin() override;
   void begin(const PoseGaussian& guess, bool only_there) override;
-  void move(const std::optional<Pose>& increment, double dt) override;
+  void move(const BaseMotion& motion) override;
   /// Returns at once. @throws what the search has thrown meanwhile
   SearchReport process(const std::vector<CameraView>& views,
                        const std::optional<UpReading>& up) override;
@@ -36,37 +36,34 @@ class BackgroundSearch : public PoseFinder {
     std::optional<PoseGaussian> guess;
     bool only_there = false;
   };
-  using Moves = std::vector<std::pair<std::optional<Pose>, double>>;
   struct View {
-    Moves moves;  // since the view before
+    BaseMotion before;  // since the view before
     std::vector<CameraView> views;
     std::optional<UpReading> up;
-    size_t number = 0;
+    BaseMotion since_begin;
   };
-  /// A view that was offered, and the motion since.
-  struct Offered {
-    size_t number;
-    MotionSince since;
+  struct Report {
+    SearchReport report;
+    BaseMotion since_begin;  // of its view
   };
 
   void beginWith(Begin begin);
   void offer(const std::vector<CameraView>& views, const std::optional<UpReading>& up);
-  SearchReport carriedToNow(SearchReport report, const MotionSince& since) const;
+  SearchReport carriedToNow(const Report& then) const;
   void run();
 
   const LocalizationMap& map_;
   const uint64_t seed_;
   // Used by the caller's thread only.
-  Moves moves_;                  // since the newest view that was offered
-  std::deque<Offered> offered_;  // from the one that was reported last on, oldest first
-  size_t count_ = 0;
+  BaseMotion since_begin_, since_view_;  // the newest view that was offered
+  bool has_view_ = false;                // since it began
   // Shared.
   std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<Begin> begin_;  // asked for, not yet done
   std::deque<View> waiting_;
-  std::optional<std::pair<size_t, SearchReport>> reported_;  // view's number; newest
-  bool is_news_ = false;                                     // nobody has been told yet
+  std::optional<Report> reported_;  // newest
+  bool is_news_ = false;            // nobody has been told yet
   std::exception_ptr failure_;
   bool stop_ = false;
   std::thread thread_;  // last, uses all of the above

@@ -57,17 +57,15 @@ void GlobalLocalizer::begin(const PoseGaussian& guess, bool only_there) {
   tilt_is_assumed_ = true;
 }
 
-void GlobalLocalizer::move(const std::optional<Pose>& increment, double dt) {
-  const FilterParameters& p = map_.params().filter;
-  const Pose step = increment.value_or(Pose::Identity());
-  const Twist sigma = increment ? odometryNoise(p, step, dt) : walkNoise(p, dt);
-  since_.add(p, increment, dt);
+void GlobalLocalizer::move(const BaseMotion& motion) {
+  since_.add(motion);
+  const Twist sigma = motion.variance.cwiseSqrt();
   if (up_) {
-    up_->up_base = step.linear().transpose() * up_->up_base;
+    up_->up_base = motion.step.linear().transpose() * up_->up_base;
     up_->sigma = std::hypot(up_->sigma, sigma[3]);
     if (up_->sigma > kUselessTilt) up_.reset();
   }
-  if (guess_) guess_ = moved(*guess_, step, sigma);
+  if (guess_) guess_ = moved(*guess_, motion.step, sigma);
 }
 
 PoseGaussian GlobalLocalizer::predicted(const FoundPose& before, const Pose& motion,
@@ -93,9 +91,8 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
   report_.keyframe = false;
   report_.total_ms = 0;
   if (!keyframes_.empty() && !since_.isNewView(map_.params().search)) {
-    report_.estimate.mean = hypotheses_.empty()
-                                ? Pose::Identity()
-                                : normalized(hypotheses_.front().pose * since_.motion);
+    report_.estimate.mean =
+        hypotheses_.empty() ? Pose::Identity() : normalized(hypotheses_.front().pose * since_.step);
     return report_;
   }
   keyframes_.push_back({search_.prepare(views), since_});
@@ -124,7 +121,7 @@ void GlobalLocalizer::follow() {
   const Keyframe& now = keyframes_.back();
   tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
-    h.expected = predicted(h.history.back(), now.since.motion, now.since.variance);
+    h.expected = predicted(h.history.back(), now.since.step, now.since.variance);
     const FoundPose found = search_.follow(now.seen, h.expected);
     h.pose = found.pose;
     h.total += found.log_likelihood;
@@ -144,7 +141,7 @@ std::vector<CameraView> GlobalLocalizer::rig() const {
       view.T_base_camera = to_then * view.T_base_camera;
       views.push_back(std::move(view));
     }
-    to_then = to_then * keyframes_[k].since.motion.inverse();
+    to_then = to_then * keyframes_[k].since.step.inverse();
   }
   return views;
 }
@@ -241,7 +238,7 @@ GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) c
   for (size_t k = keyframes_.size() - 1; k > 0; --k) {
     const Keyframe& later = keyframes_[k];
     last = search_.follow(keyframes_[k - 1].seen,
-                          predicted(last, later.since.motion.inverse(), later.since.variance));
+                          predicted(last, later.since.step.inverse(), later.since.variance));
     h.total += last.log_likelihood;
     h.history.push_front(last);
   }

@@ -21,7 +21,7 @@ class GlobalLocalizer : public PoseFinder {
 
   void begin() override;
   void begin(const PoseGaussian& guess, bool only_there) override;
-  void move(const std::optional<Pose>& increment, double dt) override;
+  void move(const BaseMotion& motion) override;
   /// Takes seconds where the images are a new view.
   SearchReport process(const std::vector<CameraView>& views,
                        const std::optional<UpReading>& up) override {
@@ -34,7 +34,7 @@ class GlobalLocalizer : public PoseFinder {
  private:
   struct Keyframe {
     SearchViews seen;
-    MotionSince since;  ///< the keyframe before
+    BaseMotion since;  ///< the keyframe before
   };
   struct Hypothesis {
     Pose pose = Pose::Identity();   ///< at the newest keyframe
@@ -69,7 +69,7 @@ class GlobalLocalizer : public PoseFinder {
   bool only_guess_ = false;
   std::optional<UpReading> up_;
   bool tilt_is_assumed_ = false;
-  MotionSince since_;  // the newest keyframe
+  BaseMotion since_;  // the newest keyframe
   SearchReport report_;
 };
 

@@ -106,6 +106,7 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->updated = true;
   if (!report.keyframe || !(report.converged || agreesWith(report))) return;
   setPose(report.estimate);
+  if (report.stale) proof_.require(false);
   fresh_ = false;  // it holds for this image
   trusted_at_ = input.time;
   result->relocalized = true;
@@ -161,7 +162,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
     std::optional<Pose> increment;
     if (input.odometry && last_odometry_)
       increment = normalized(last_odometry_->inverse() * *input.odometry);
-    if (searching_) finder_->move(increment, dt);
+    if (searching_) finder_->move(BaseMotion::of(map_->params().filter, increment, dt));
     if (initial_ && !fresh_) {
       const Pose before = filter_.estimate().mean;
       const FilterParameters& p = map_->params().filter;

@@ -21,6 +21,7 @@ struct SearchReport {
   bool keyframe = false;              ///< this holds news: a new view has been used
   bool convincing = false;            ///< `estimate` explains the keyframes, and nothing else does
   bool converged = false;             ///< and so it did when new ones came: it is there
+  bool stale = false;                 ///< that was some time ago, and who knows where it is now
   PoseGaussian estimate;              ///< the best hypothesis, T_map_base; without any: identity
   std::vector<PoseCluster> clusters;  ///< best first, at most ten
   double margin = 0;       ///< nats, by which the best explains the keyframes better than the next
@@ -32,28 +33,37 @@ struct SearchReport {
   double total_ms = 0;         ///< of this keyframe
 };
 
-/// Motion since a view.
-struct MotionSince {
-  Pose motion = Pose::Identity();
+/// Motion of the base over a time.
+struct BaseMotion {
+  Pose step = Pose::Identity();
   Twist variance = Twist::Zero();  ///< of it
   double elapsed = 0;              ///< s
-  bool has_odometry = true;        ///< all of it
+  double blind = 0;                ///< s of them without odometry
 
-  void add(const FilterParameters& p, const std::optional<Pose>& increment, double dt) {
-    const Pose step = increment.value_or(Pose::Identity());
-    const Twist sigma = increment ? odometryNoise(p, step, dt) : walkNoise(p, dt);
-    motion = normalized(motion * step);
-    variance += sigma.cwiseAbs2();
-    elapsed += dt;
-    has_odometry = has_odometry && increment.has_value();
+  /// @param increment nothing: unknown
+  static BaseMotion of(const FilterParameters& p, const std::optional<Pose>& increment, double dt) {
+    BaseMotion motion;
+    motion.step = increment.value_or(Pose::Identity());
+    motion.variance =
+        (increment ? odometryNoise(p, motion.step, dt) : walkNoise(p, dt)).cwiseAbs2();
+    motion.elapsed = dt;
+    motion.blind = increment ? 0 : dt;
+    return motion;
   }
 
-  /// Whether there is something new to see now.
+  void add(const BaseMotion& later) {
+    step = normalized(step * later.step);
+    variance += later.variance;
+    elapsed += later.elapsed;
+    blind += later.blind;
+  }
+
+  /// Whether there is something new to see after it.
   bool isNewView(const SearchParameters& p) const {
     constexpr double kDegree = M_PI / 180;
-    if (!has_odometry) return elapsed >= p.keyframe_period;
-    return motion.translation().norm() >= p.keyframe_distance ||
-           logSo3(motion.linear()).norm() >= p.keyframe_angle_deg * kDegree;
+    if (blind > 0) return elapsed >= p.keyframe_period;
+    return step.translation().norm() >= p.keyframe_distance ||
+           logSo3(step.linear()).norm() >= p.keyframe_angle_deg * kDegree;
   }
 };
 
@@ -68,8 +78,8 @@ class PoseFinder {
   /// and pitch are taken to hold for the first keyframes if no better are known.
   virtual void begin(const PoseGaussian& guess, bool only_there) = 0;
 
-  /// Motion of the base since the last call of this, over dt seconds; nothing: unknown.
-  virtual void move(const std::optional<Pose>& increment, double dt) = 0;
+  /// Motion since the last call of this.
+  virtual void move(const BaseMotion& motion) = 0;
   /// Offers images. @param up roll and pitch, if known now. @return poses as of now
   virtual SearchReport process(const std::vector<CameraView>& views,
                                const std::optional<UpReading>& up) = 0;

@@ -120,38 +120,65 @@ TEST_F(BackgroundSearchTest, FindsItAgainAfterItWasCarriedElsewhere) {
   EXPECT_EQ(tracked, 10);
 }
 
-// What an older search finds must not be taken for an answer to a newer question.
-TEST_F(BackgroundSearchTest, BeginsAnewWhileItThinks) {
-  BackgroundSearch search(*map_, 1);
-  const auto offer = [&] {
+/// The search alone.
+class BackgroundSearchAlone : public BackgroundSearchTest {
+ protected:
+  BackgroundSearch search_{*map_, 1};
+
+  SearchReport offer() {
     const LiveInput input = flight_.next();
     const LiveInput::View& view = input.views.front();
     CameraView seen;
     seen.image = map_->prepare(view.camera, view.image, view.mask, view.origin);
-    return search.process({seen}, input.up);
-  };
-  const auto awaitNews = [&] {
+    return search_.process({seen}, input.up);
+  }
+  SearchReport awaitNews() {
     for (int i = 0; i < 3000; ++i) {
       const SearchReport report = offer();
       if (report.keyframe) return report;
-      search.move(Pose::Identity(), 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
-    return SearchReport();
-  };
-  search.begin();
+    return {};
+  }
+};
+
+// What an older search finds must not be taken for an answer to a newer question.
+TEST_F(BackgroundSearchAlone, BeginsAnewWhileItThinks) {
+  search_.begin();
   EXPECT_EQ(awaitNews().keyframes, 1);
   for (int i = 0; i < 5; ++i) {
-    search.begin();
+    search_.begin();
     offer();  // worked at when it begins anew
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
   }
-  search.begin();
+  search_.begin();
   const SearchReport first = offer();
   EXPECT_FALSE(first.keyframe);
   EXPECT_TRUE(first.clusters.empty());
   EXPECT_EQ(awaitNews().keyframes, 1);
   offer();  // and ends while something is worked at
+}
+
+TEST_F(BackgroundSearchAlone, OdometryCarriesWhatItFoundToThePresent) {
+  search_.begin();
+  const SearchReport then = awaitNews();
+  ASSERT_EQ(then.keyframes, 1);
+  ASSERT_FALSE(then.clusters.empty());
+  const FilterParameters& p = map_->params().filter;
+  // Less than a new view, in two steps.
+  const Pose step = expSe3((Twist() << 0.02, -0.01, 0.03, 0.01, -0.02, 0.01).finished());
+  search_.move(BaseMotion::of(p, step, 0.1));
+  search_.move(BaseMotion::of(p, step, 0.1));
+  const SearchReport now = offer();
+  const Pose both = step * step;
+  EXPECT_FALSE(now.keyframe);
+  EXPECT_FALSE(now.stale);
+  EXPECT_TRUE(now.estimate.mean.isApprox(then.estimate.mean * both, 1e-9));
+  EXPECT_TRUE(now.clusters.front().pose.isApprox(then.clusters.front().pose * both, 1e-9));
+  EXPECT_GT(now.estimate.covariance.trace(), then.estimate.covariance.trace());
+  // Half a second without odometry: it may be anywhere around.
+  search_.move(BaseMotion::of(p, std::nullopt, 0.5));
+  EXPECT_TRUE(offer().stale);
 }
 
 TEST_F(BackgroundSearchTest, WhatGoesWrongIsTold) {

@@ -339,7 +339,8 @@ class SymmetricRoom : public testing::Test {
     std::vector<SearchReport> reports;
     for (size_t i = 0; i < simulator.imageCount(); ++i) {
       simulator.next(&frame);
-      if (last) localizer.move(last->inverse() * *frame.odometry, 0.2);
+      if (last)
+        localizer.move(BaseMotion::of(map.params().filter, last->inverse() * *frame.odometry, 0.2));
       last = frame.odometry;
       CameraView view;
       view.image = map.prepare(scenario.camera, frame.color, {}, "image");
