@@ -37,6 +37,7 @@ void BackgroundSearch::beginWith(Begin begin) {
   waiting_.clear();
   reported_.reset();
   is_news_ = false;
+  failure_ = nullptr;
 }
 
 void BackgroundSearch::move(const BaseMotion& motion) {

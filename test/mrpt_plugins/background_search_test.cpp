@@ -11,21 +11,13 @@
 #include "edge_mcl/mrpt_plugins/live_localizer.h"
 #include "edge_mcl/mrpt_plugins/pose_sharpener.h"
 #include "edge_mcl/sim/simulator.h"
+#include "mrpt_plugins/search_setup.h"
 
 namespace edge_mcl {
 namespace {
 
 constexpr double kDegree = M_PI / 180;
 constexpr auto kPeriod = std::chrono::milliseconds(66);  // 15 images a second
-
-Parameters quickSearch() {
-  Parameters params;
-  params.filter.particles = 300;
-  params.search.max_places = 1500;
-  params.search.refined = 1500;
-  params.search.hypotheses = 60;
-  return params;
-}
 
 /// Goes through a recorded flight to and fro, without a break in its motion.
 class ToAndFro {

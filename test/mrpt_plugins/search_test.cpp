@@ -12,6 +12,7 @@
 #include "edge_mcl/mrpt_plugins/live_localizer.h"
 #include "edge_mcl/sim/simulator.h"
 #include "edge_mcl/sim/trial_flight.h"
+#include "mrpt_plugins/search_setup.h"
 
 namespace edge_mcl {
 namespace {
@@ -54,16 +55,6 @@ PoseGaussian badGuess(const Pose& truth, RandomSource* random) {
   guess.covariance.diagonal().head<3>().setConstant(0.25);
   guess.covariance.diagonal().tail<3>().setConstant(7.5 * kDegree * 7.5 * kDegree);
   return guess;
-}
-
-/// Smaller than the defaults, for a small building.
-Parameters quickSearch() {
-  Parameters params;
-  params.filter.particles = 300;
-  params.search.max_places = 1500;
-  params.search.refined = 1500;
-  params.search.hypotheses = 60;
-  return params;
 }
 
 bool isRight(const Pose& pose, const Pose& truth) { return isNear(pose, truth, 0.25, 5 * kDegree); }
