@@ -40,25 +40,22 @@ double magnitudeAt(const EdgeImage& image, double x, double y) {
 
 /// Threshold from a regular sub-sample of the magnitudes outside the mask.
 double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
-  std::vector<float> magnitudes;
-  magnitudes.reserve(image.grey.total() / 9 + 1);
+  std::vector<uint32_t> squares;  // of the magnitudes: exact
+  squares.reserve(image.grey.total() / 9 + 1);
   for (int y = 1; y < image.height(); y += 3)
     for (int x = 1; x < image.width(); x += 3) {
       if (!image.ignore.empty() && image.ignore.at<uint8_t>(y, x)) continue;
-      const auto gx = static_cast<float>(image.gradient_x.at<int16_t>(y, x));
-      const auto gy = static_cast<float>(image.gradient_y.at<int16_t>(y, x));
-      magnitudes.push_back(std::sqrt(gx * gx + gy * gy));
+      const int gx = image.gradient_x.at<int16_t>(y, x), gy = image.gradient_y.at<int16_t>(y, x);
+      squares.push_back(static_cast<uint32_t>(gx * gx + gy * gy));
     }
-  // About one and a half grey levels across an edge.
-  constexpr double kLeast = 24 * EdgeImage::kGradientScale;
-  if (magnitudes.empty()) return kLeast;
-  auto sorted_below = magnitudes.begin();  // nothing from here on is smaller than what is before
-  const auto quantile = [&](double q) {    // to be called with growing q
+  if (squares.empty()) return EdgeImage::kLeastThreshold;
+  auto sorted_below = squares.begin();   // nothing from here on is smaller than what is before
+  const auto quantile = [&](double q) {  // to be called with growing q
     const auto nth =
-        magnitudes.begin() + static_cast<long>(q * static_cast<double>(magnitudes.size() - 1));
-    std::nth_element(sorted_below, nth, magnitudes.end());
+        squares.begin() + static_cast<long>(q * static_cast<double>(squares.size() - 1));
+    std::nth_element(sorted_below, nth, squares.end());
     sorted_below = nth;
-    return static_cast<double>(*nth);
+    return std::sqrt(static_cast<double>(*nth));
   };
   // The magnitude of Gaussian noise is Rayleigh distributed: median = 1.177 sigma. The lower
   // quartile (0.759 sigma) stays noise even when texture fills half of the image.
@@ -66,7 +63,8 @@ double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
   const double first = quantile(edges_are_few ? 0.25 : 1 - params.edge_share);
   const double second = quantile(edges_are_few ? 1 - params.edge_share : 0.25);
   const double noise = (edges_are_few ? first : second) / 0.759;
-  return std::max({kLeast, edges_are_few ? second : first, params.noise_factor * noise});
+  return std::max(
+      {EdgeImage::kLeastThreshold, edges_are_few ? second : first, params.noise_factor * noise});
 }
 
 /// Keeps edges that lie on a straight segment of their own direction.
@@ -110,30 +108,68 @@ cv::Mat toGrey(const cv::Mat& image, const std::string& origin) {
   return grey;
 }
 
+std::vector<int> blurWeights(double sigma) {
+  if (!(sigma > 0)) return {kBlurUnit};
+  const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
+  std::vector<double> beyond(radius + 2, 0);  // unnormalised weight from this neighbour on
+  for (int i = radius; i >= 0; --i)
+    beyond[i] = beyond[i + 1] + std::exp(-0.5 * i * i / sigma / sigma);
+  const double total = beyond[0] + beyond[1];
+  // Sums are rounded, not weights, which so add up.
+  const auto rounded = [&](int i) {
+    return static_cast<int>(std::lround(kBlurUnit * beyond[i] / total));
+  };
+  std::vector<int> weights = {kBlurUnit - 2 * rounded(1)};
+  for (int i = 1; i <= radius && rounded(i) > 0; ++i)
+    weights.push_back(rounded(i) - rounded(i + 1));
+  return weights;
+}
+
+cv::Mat ignoredPixels(const cv::Mat& mask, cv::Size size, const ImageParameters& params,
+                      const std::string& origin) {
+  cv::Mat ignored;
+  if (mask.empty()) return ignored;
+  if (mask.size() != size)
+    throw InputError(origin + ": the mask has " + std::to_string(mask.cols) + "x" +
+                     std::to_string(mask.rows) + " pixels, the image " +
+                     std::to_string(size.width) + "x" + std::to_string(size.height));
+  if (mask.type() != CV_8U) throw InputError(origin + ": the mask must be 8-bit grey");
+  cv::compare(mask, 0, ignored, cv::CMP_NE);
+  if (params.mask_dilation > 0) {
+    const int across = 2 * params.mask_dilation + 1;
+    cv::dilate(ignored, ignored,
+               cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(across, across)));
+  }
+  return ignored;
+}
+
+namespace {
+
+/// Gaussian smoothing with blurWeights(): every sum is a whole number of units below 2^24.
+void smooth(double sigma, cv::Mat* image) {
+  const std::vector<int> weights = blurWeights(sigma);
+  const int radius = static_cast<int>(weights.size()) - 1;
+  if (radius == 0) return;
+  cv::Mat kernel(2 * radius + 1, 1, CV_32F);
+  for (int i = -radius; i <= radius; ++i)
+    kernel.at<float>(radius + i) = static_cast<float>(weights[std::abs(i)]) / kBlurUnit;
+  static_assert(kBlurUnit * kBlurUnit * 255 * EdgeImage::kGradientScale < 1 << 24);
+  cv::sepFilter2D(*image, *image, CV_16S, kernel, kernel, cv::Point(-1, -1), 0,
+                  cv::BORDER_REPLICATE);
+}
+
+}  // namespace
+
 EdgeImage findEdges(const cv::Mat& image, const cv::Mat& mask, const ImageParameters& params,
                     const std::string& origin) {
   EdgeImage result;
   result.grey = toGrey(image, origin);
-  if (!mask.empty()) {
-    if (mask.size() != result.grey.size())
-      throw InputError(origin + ": the mask has " + std::to_string(mask.cols) + "x" +
-                       std::to_string(mask.rows) + " pixels, the image " +
-                       std::to_string(result.width()) + "x" + std::to_string(result.height()));
-    if (mask.type() != CV_8U) throw InputError(origin + ": the mask must be 8-bit grey");
-    cv::compare(mask, 0, result.ignore, cv::CMP_NE);
-    if (params.mask_dilation > 0) {
-      const int size = 2 * params.mask_dilation + 1;
-      cv::dilate(result.ignore, result.ignore,
-                 cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(size, size)));
-    }
-  }
-  cv::Mat smooth;  // Scharr's weights add up to 16: 16 * 255 * 8 just fits into 16 bits
-  result.grey.convertTo(smooth, CV_16S, EdgeImage::kGradientScale);
-  if (params.blur_sigma > 0)
-    cv::GaussianBlur(smooth, smooth, cv::Size(), params.blur_sigma, params.blur_sigma,
-                     cv::BORDER_REPLICATE);
-  cv::Scharr(smooth, result.gradient_x, CV_16S, 1, 0, 1, 0, cv::BORDER_REPLICATE);
-  cv::Scharr(smooth, result.gradient_y, CV_16S, 0, 1, 1, 0, cv::BORDER_REPLICATE);
+  result.ignore = ignoredPixels(mask, result.grey.size(), params, origin);
+  cv::Mat smoothed;  // Scharr's weights add up to 16: 16 * 255 * 8 just fits into 16 bits
+  result.grey.convertTo(smoothed, CV_16S, EdgeImage::kGradientScale);
+  smooth(params.blur_sigma, &smoothed);
+  cv::Scharr(smoothed, result.gradient_x, CV_16S, 1, 0, 1, 0, cv::BORDER_REPLICATE);
+  cv::Scharr(smoothed, result.gradient_y, CV_16S, 0, 1, 1, 0, cv::BORDER_REPLICATE);
   result.strong_threshold = strongThreshold(result, params);
   cv::Canny(result.gradient_x, result.gradient_y, result.edges,
             params.hysteresis * result.strong_threshold, result.strong_threshold, true);

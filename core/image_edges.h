@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
 #include "edge_mcl/core/parameters.h"
 
@@ -16,6 +17,8 @@ struct EdgeImage {
   /// Gradients are taken of so many steps per grey level: in whole levels
   /// weak noise would be rounded to nothing in most pixels and to an edge in the others.
   static constexpr int kGradientScale = 8;
+  /// The strong threshold is never below: about one and a half grey levels across an edge.
+  static constexpr double kLeastThreshold = 24 * kGradientScale;
   cv::Mat gradient_x;           ///< CV_16S, Scharr times kGradientScale
   cv::Mat gradient_y;           ///< CV_16S
   cv::Mat ignore;               ///< CV_8U, 255 = ignored, dilated; empty without a mask
@@ -36,6 +39,17 @@ struct EdgeImage {
 
 /// Grey image of any 8- or 16-bit, 1-, 3- or 4-channel image. @throws InputError otherwise.
 cv::Mat toGrey(const cv::Mat& image, const std::string& origin);
+
+/// Weights of the smoothing for the pixel itself and its neighbours to either side, of kBlurUnit in
+/// all. With so few steps sums over rows and columns are exact in single precision, so that the
+/// edges do not depend on the machine, nor on the order of additions.
+std::vector<int> blurWeights(double sigma);
+constexpr int kBlurUnit = 64;
+
+/// Ignored pixels of a mask (non-zero = ignore) after image.mask_dilation: CV_8U, 255 = ignored;
+/// empty for an empty mask. @throws InputError when the mask is not of `size` or type CV_8U.
+cv::Mat ignoredPixels(const cv::Mat& mask, cv::Size size, const ImageParameters& params,
+                      const std::string& origin);
 
 /// Finds edges. The strong threshold is the gradient exceeded by `edge_share` of the pixels, but
 /// at least `noise_factor` times the image's noise; so it follows the exposure.

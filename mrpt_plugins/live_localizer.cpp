@@ -358,7 +358,8 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
       const bool contradicted =
           result->updated ? !confirmed : !searching_ && showWhatIsNotInView(views);
       const bool astray = isSpreadWide() || input.time - *trusted_at_ > kBlindly;
-      if (contradicted || astray) proof_.require(contradicted);
+      // Odometry keeps a robot that it has followed from being anywhere.
+      if (contradicted || astray) proof_.require(contradicted && !input.odometry);
       const bool has_cause = contradicted || isSpreadWide() || result->updated;
       if (proof_.isNeeded() && has_cause && (!searching_ || only_around_) &&
           map_->params().search.recover)
