@@ -60,10 +60,12 @@ int run(const BenchOptions& o) {
   if (o.image >= sequence.frames.size()) throw ParameterError("--image: no such image");
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty()) throw InputError(o.sequence + ": no model.obj in it; use --model");
+  // On the CPU until a device is asked for below.
   LocalizationMap map(model, params);
-  chooseBackend(&map);
   if (o.soak > 0) {
-    std::printf("%.1f MB gained after the first tenth\n", soak(map, sequence, o.soak));
+    chooseBackend(&map);
+    std::printf("%s: %.1f MB gained after the first tenth\n", map.backend().name().c_str(),
+                soak(map, sequence, o.soak));
     return kExitOk;
   }
   const CpuBackend cpu(map.sharedVisibility());
@@ -135,11 +137,18 @@ int run(const BenchOptions& o) {
   t.all = median(all);
   t.one_field = median(field);
   if (!o.dump_workload.empty()) {
-    gpu::Workload w = gpu::makeWorkload(sequence.name, map.visibility(), scored, poses, reference);
+    const Picture source(image->edges.grey, image->edges.ignore, params.image,
+                         std::make_shared<ScoreLevels>(params.image, params.likelihood));
+    gpu::Workload w =
+        gpu::makeWorkload(sequence.name, map.visibility(), scored, poses, reference, &source);
     w.plain_ms = t.plain;
     w.cpu_ms = t.all;
     gpu::writeWorkload(w, o.dump_workload);
   }
+  chooseBackend(&map);
+  const bool has_gpu = map.backend().name().rfind("cuda", 0) == 0;
+  StageTable updates_gpu;
+  if (has_gpu) updates_gpu = StageTable::measure(map, sequence, o.updates);
   const double per_sample_one = 1e6 * t.one / static_cast<double>(t.samples);
   const int threads = tbb::info::default_concurrency();
   nlohmann::json j = {{"sequence", sequence.name},
@@ -162,11 +171,14 @@ int run(const BenchOptions& o) {
                       {"ratio_one_to_all_threads", t.one / t.all},
                       {"update_ms_one_thread", updates_one.toJson()},
                       {"update_ms_all_threads", updates_all.toJson()},
+                      {"backend", map.backend().name()},
+                      {"update_ms_gpu", updates_gpu.toJson()},
                       {"peak_resident_mb", peakResidentMegabytes()},
                       {"checksum", checksum}};
-  const bool has_gpu = map.backend().name().rfind("cuda", 0) == 0;
   const auto timeSizes = [&] {
     return timeTable(cpu, has_gpu ? &map.backend() : nullptr, scored,
+                     Picture(image->edges.grey, image->edges.ignore, params.image,
+                             std::make_shared<ScoreLevels>(params.image, params.likelihood)),
                      t.plain / static_cast<double>(poses.size()), o.table, draw, !o.json);
   };
   if (o.json) {
@@ -191,6 +203,7 @@ int run(const BenchOptions& o) {
               t.one_field);
   updates_one.print("whole update, image in, pose out, 1 thread");
   updates_all.print("the same, " + std::to_string(threads) + " threads");
+  updates_gpu.print("the same, " + map.backend().name());
   std::printf("  peak resident size %.0f MB\n", peakResidentMegabytes());
   if (!o.table.empty()) timeSizes();
   return kExitOk;

@@ -60,7 +60,8 @@ Eigen::Vector2d shiftOf(const CameraModel& camera, const Pose& from, const Pose&
 
 double gatherLimitNanoseconds(const LikelihoodFrame& frame, const VisibleSet& set,
                               const std::vector<Pose>& camera_poses, int repeats) {
-  const ScoreTable& table = *frame.table;
+  const std::shared_ptr<const ScoreTable> kept = frame.tableHere();
+  const ScoreTable& table = *kept;
   const Pose& centre = camera_poses.front();
   constexpr int kMargin = 64;  // shifts are clamped to it, so that no address leaves the table
   std::vector<int32_t> shifts;

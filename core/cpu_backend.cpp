@@ -35,15 +35,30 @@ double spacingScale(const LikelihoodFrame& frame) {
   return frame.sample_step * frame.thinning / frame.params.correlation_length;
 }
 
-void checkLikelihoodInput(const LikelihoodFrame& frame, const std::vector<Pose>& camera_poses) {
-  if (!frame.table) throw Error("likelihood: no image table");
-  if (frame.table->width() != frame.camera.width || frame.table->height() != frame.camera.height)
-    throw InputError("likelihood: the image has " + std::to_string(frame.table->width()) + "x" +
-                     std::to_string(frame.table->height()) + " pixels, camera_info says " +
+std::shared_ptr<const ScoreTable> LikelihoodFrame::tableHere() const {
+  if (table) return table;
+  if (!picture) throw Error("likelihood: no image table");
+  return picture->table();
+}
+
+void checkFrame(const LikelihoodFrame& frame) {
+  if (!frame.table && !frame.picture) throw Error("likelihood: no image table");
+  const int width = frame.table ? frame.table->width() : frame.picture->grey().cols;
+  const int height = frame.table ? frame.table->height() : frame.picture->grey().rows;
+  if (width != frame.camera.width || height != frame.camera.height)
+    throw InputError("likelihood: the image has " + std::to_string(width) + "x" +
+                     std::to_string(height) + " pixels, camera_info says " +
                      std::to_string(frame.camera.width) + "x" +
                      std::to_string(frame.camera.height));
-  for (const Pose& pose : camera_poses)
-    if (!pose.matrix().allFinite()) throw Error("likelihood: a pose is not finite");
+}
+
+void checkPose(const Pose& pose) {
+  if (!pose.matrix().allFinite()) throw Error("likelihood: a pose is not finite");
+}
+
+void checkLikelihoodInput(const LikelihoodFrame& frame, const std::vector<Pose>& camera_poses) {
+  checkFrame(frame);
+  for (const Pose& pose : camera_poses) checkPose(pose);
 }
 
 namespace {
@@ -51,6 +66,7 @@ namespace {
 /// What one batch of particles shares.
 struct Batch {
   const LikelihoodFrame* frame;
+  std::shared_ptr<const ScoreTable> table;
   const std::vector<Pose>* poses;
   std::vector<uint32_t> order;  ///< particles, those of one cell side by side
   std::vector<uint32_t> cell;   ///< of every particle, into sets
@@ -218,7 +234,7 @@ uint64_t scoreRange(const Batch& batch, size_t begin, size_t end, std::vector<Po
   fillSegments(batch, cells, coneOf(batch, begin, end), &block);
   fillParticles(batch, cells, begin, end, &block);
   const LikelihoodFrame& frame = *batch.frame;
-  const ScoreTable& t = *frame.table;
+  const ScoreTable& t = *batch.table;
   const KernelTable table{t.pairs(),      t.stride(), t.rows(),  t.bins(),
                           t.hasIgnored(), t.scale(),  t.offset()};
   const LikelihoodParameters& p = frame.params;
@@ -260,7 +276,13 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
                                             const std::vector<Pose>& camera_poses) const {
   checkLikelihoodInput(frame, camera_poses);
   const size_t n = camera_poses.size();
-  Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n), {}, {}};
+  Batch batch{&frame,
+              frame.tableHere(),
+              &camera_poses,
+              std::vector<uint32_t>(n),
+              std::vector<uint32_t>(n),
+              {},
+              {}};
   std::iota(batch.order.begin(), batch.order.end(), 0u);
   std::vector<CellKey> key(n);
   for (size_t i = 0; i < n; ++i) key[i] = visibility_->cellOf(camera_poses[i].translation());
@@ -293,7 +315,12 @@ std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, cons
                                               const std::vector<Pose>& camera_poses) {
   checkLikelihoodInput(frame, camera_poses);
   const size_t n = camera_poses.size();
-  Batch batch{&frame, &camera_poses, std::vector<uint32_t>(n), std::vector<uint32_t>(n, 0u), {},
+  Batch batch{&frame,
+              frame.tableHere(),
+              &camera_poses,
+              std::vector<uint32_t>(n),
+              std::vector<uint32_t>(n, 0u),
+              {},
               {}};
   std::iota(batch.order.begin(), batch.order.end(), 0u);
   batch.sets = {std::shared_ptr<const VisibleSet>(std::shared_ptr<const void>(), &set)};

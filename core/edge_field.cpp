@@ -137,7 +137,10 @@ std::vector<const EdgePixel*> sortedByColumn(const EdgePixels& pixels) {
 
 SearchGeometry::SearchGeometry(const ImageParameters& params) : length_(params.search_length) {
   for (int bin = 0; bin < params.orientation_bins; ++bin) {
-    step_length_.push_back(std::hypot(1.0, slopeOf(normalOfBin(bin, params.orientation_bins))));
+    const Eigen::Vector2d normal = normalOfBin(bin, params.orientation_bins);
+    walk_.push_back({static_cast<float>(normal.y()), static_cast<float>(-normal.x()),
+                     isTransposed(normal), slopeOf(normal)});
+    step_length_.push_back(std::hypot(1.0, walk_.back().slope));
     no_edge_.push_back(static_cast<uint8_t>(std::floor(length_ / step_length_.back()) + 1));
   }
 }
@@ -154,20 +157,19 @@ EdgeField::EdgeField(const EdgeImage& image, const EdgePixels& pixels,
       clutter_(static_cast<size_t>(bins()) * clutter_rows_ * clutter_columns_),
       ignore_(image.ignore) {
   const auto sine = static_cast<float>(std::sin(params.orientation_tolerance_deg * M_PI / 180));
-  const int window_cells = std::max(1, params.clutter_window / kClutterCell) | 1;
+  const int window_cells = windowCells(params);
   const cv::Mat usable = windowSum(
       usableArea(ignore_, clutter_rows_, clutter_columns_, width_, height_), window_cells);
   const std::vector<const EdgePixel*> by_column = sortedByColumn(pixels);
 
   tbb::parallel_for(0, bins(), [&](int bin) {
-    const Eigen::Vector2d normal = normalOfBin(bin, bins());
-    const bool transposed = isTransposed(normal);
-    const auto du = static_cast<float>(normal.y()), dv = static_cast<float>(-normal.x());
+    const SearchGeometry::Walk& walk = search_.walk(bin);
+    const bool transposed = walk.transposed;
     cv::Mat count = cv::Mat::zeros(clutter_rows_, clutter_columns_, CV_32F);
     std::vector<RowPixel> matching;
     const auto add = [&](const EdgePixel& p) {
       // Angle between line directions: sine of it is |edge normal . model direction|.
-      if (std::abs(p.normal_x * du + p.normal_y * dv) > sine) return;
+      if (std::abs(p.normal_x * walk.du + p.normal_y * walk.dv) > sine) return;
       matching.push_back(transposed ? RowPixel{p.x, p.y} : RowPixel{p.y, p.x});
       count.at<float>(p.y / kClutterCell, p.x / kClutterCell) += 1;
     };
@@ -182,13 +184,13 @@ EdgeField::EdgeField(const EdgeImage& image, const EdgePixels& pixels,
     if (transposed) {
       const size_t turned_stride = static_cast<size_t>(height_) + 2;
       LargeBuffer<uint8_t> turned(turned_stride * width_);
-      directionalTransform(matching, width_, height_, slopeOf(normal), none, turned.data() + 1,
+      directionalTransform(matching, width_, height_, walk.slope, none, turned.data() + 1,
                            turned_stride);
       const cv::Mat from(width_, height_, CV_8U, turned.data() + 1, turned_stride);
       cv::Mat to(height_, width_, CV_8U, out, stride_);
       cv::transpose(from, to);
     } else {
-      directionalTransform(matching, height_, width_, slopeOf(normal), none, out, stride_);
+      directionalTransform(matching, height_, width_, walk.slope, none, out, stride_);
     }
   });
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -23,17 +24,24 @@ Eigen::Vector2d diamondDirection(double diamond_angle);
 /// longer axis.
 class SearchGeometry {
  public:
+  struct Walk {
+    float du, dv;     ///< unit direction of the model edge
+    bool transposed;  ///< the normal's longer axis is the image's rows': columns are walked
+    double slope;     ///< pixels to the side per step along the longer axis
+  };
   explicit SearchGeometry(const ImageParameters& params);
   int bins() const { return static_cast<int>(step_length_.size()); }
   /// Longest normal, pixels.
   double length() const { return length_; }
   /// Length of one step along the normal of a bin, pixels (1 to sqrt 2).
   double stepLength(int bin) const { return step_length_[bin]; }
+  const Walk& walk(int bin) const { return walk_[bin]; }
   /// What stands for "no edge in reach": one more than the steps that are.
   uint8_t noEdge(int bin) const { return no_edge_[bin]; }
 
  private:
   double length_;
+  std::vector<Walk> walk_;
   std::vector<double> step_length_;
   std::vector<uint8_t> no_edge_;
 };
@@ -41,6 +49,10 @@ class SearchGeometry {
 /// Table over bins of the edge's direction; bin b stands for the diamond angle 2 b / bins.
 class EdgeField {
  public:
+  /// Cells in either direction over which the density of edges is measured.
+  static int windowCells(const ImageParameters& params) {
+    return std::max(1, params.clutter_window / kClutterCell) | 1;
+  }
   /// @param pixels of the image.
   EdgeField(const EdgeImage& image, const EdgePixels& pixels, const ImageParameters& params);
 

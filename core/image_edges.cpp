@@ -162,9 +162,14 @@ void smooth(double sigma, cv::Mat* image) {
 
 EdgeImage findEdges(const cv::Mat& image, const cv::Mat& mask, const ImageParameters& params,
                     const std::string& origin) {
+  const cv::Mat grey = toGrey(image, origin);
+  return findEdgesOf(grey, ignoredPixels(mask, grey.size(), params, origin), params);
+}
+
+EdgeImage findEdgesOf(const cv::Mat& grey, const cv::Mat& ignore, const ImageParameters& params) {
   EdgeImage result;
-  result.grey = toGrey(image, origin);
-  result.ignore = ignoredPixels(mask, result.grey.size(), params, origin);
+  result.grey = grey;
+  result.ignore = ignore;
   cv::Mat smoothed;  // Scharr's weights add up to 16: 16 * 255 * 8 just fits into 16 bits
   result.grey.convertTo(smoothed, CV_16S, EdgeImage::kGradientScale);
   smooth(params.blur_sigma, &smoothed);

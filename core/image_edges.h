@@ -51,6 +51,9 @@ constexpr int kBlurUnit = 64;
 cv::Mat ignoredPixels(const cv::Mat& mask, cv::Size size, const ImageParameters& params,
                       const std::string& origin);
 
+/// Finds edges of a grey CV_8U image. @param ignore ignoredPixels() of its mask.
+EdgeImage findEdgesOf(const cv::Mat& grey, const cv::Mat& ignore, const ImageParameters& params);
+
 /// Finds edges. The strong threshold is the gradient exceeded by `edge_share` of the pixels, but
 /// at least `noise_factor` times the image's noise; so it follows the exposure.
 /// @param mask CV_8U, non-zero = ignore; empty for none.

@@ -7,6 +7,7 @@
 
 #include "edge_mcl/core/camera_model.h"
 #include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/picture.h"
 #include "edge_mcl/core/score_table.h"
 #include "edge_mcl/core/se3.h"
 #include "edge_mcl/core/visibility.h"
@@ -16,12 +17,16 @@ namespace edge_mcl {
 /// Everything about one image that the likelihood needs.
 struct LikelihoodFrame {
   CameraModel camera;
-  std::shared_ptr<const ScoreTable> table;
+  std::shared_ptr<const ScoreTable> table;  ///< may be null where there is a picture
   LikelihoodParameters params;
   double sample_step = 0;  ///< of the edge model, metres
   /// Only every so many-th sample of the model counts, by its number in the whole model. Scores are
   /// comparable only at the same thinning.
   uint32_t thinning = 1;
+  std::shared_ptr<const Picture> picture = nullptr;
+
+  /// The table, made now where there is only the picture. @throws Error when there is neither.
+  std::shared_ptr<const ScoreTable> tableHere() const;
 };
 
 /// Factor of a sample's weight: min(1, scale * (|a| + |b|)), with (a, b) the derivative of the
@@ -51,11 +56,19 @@ class LikelihoodBackend {
   virtual std::vector<PoseScore> evaluate(const LikelihoodFrame& frame,
                                           const std::vector<Pose>& camera_poses) const = 0;
   virtual std::string name() const = 0;
+  /// Whether frames of such images need no table, because evaluate() makes its own of the picture.
+  virtual bool makesTables(const ImageParameters&) const { return false; }
+  /// Starts with the frame's picture, while the caller does something else.
+  virtual void prefetch(const LikelihoodFrame&) const {}
 };
 
-/// @throws Error when a pose is not finite or there is no table, InputError when table and camera
-///   are of different size.
+/// @throws Error when there is neither table nor picture, InputError when it is not of the camera's
+///   size.
+void checkFrame(const LikelihoodFrame& frame);
+/// The same, and @throws Error when a pose is not finite.
 void checkLikelihoodInput(const LikelihoodFrame& frame, const std::vector<Pose>& camera_poses);
+/// @throws Error when it is not finite.
+void checkPose(const Pose& pose);
 
 /// Total log-likelihood from the two sums a kernel produces.
 double combineLines(const LikelihoodParameters& params, double line_sum, double line_count);

@@ -30,7 +30,7 @@ void LocalizationMap::build(const std::string& model_file) {
   edges_ = std::make_unique<EdgeModel>(buildEdgeModel(mesh_.get(), params_.map));
   visibility_ = std::make_shared<Visibility>(*mesh_, *edges_, params_.visibility);
   backend_ = std::make_unique<CpuBackend>(visibility_);
-  levels_ = std::make_unique<ScoreLevels>(params_.image, params_.likelihood);
+  levels_ = std::make_shared<const ScoreLevels>(params_.image, params_.likelihood);
   refiner_ = std::make_unique<PoseRefiner>(params_.refinement, params_.likelihood, params_.image);
   if (params_.likelihood.cues == Cues::kEdges) return;
   DistanceField::Options options;
@@ -64,14 +64,25 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
                      std::to_string(camera.width) + "x" + std::to_string(camera.height));
   auto prepared = std::make_shared<PreparedImage>();
   const auto t0 = Clock::now();
-  prepared->edges = findEdges(image, mask, params_.image, origin);
+  const cv::Mat grey = toGrey(image, origin);
+  const cv::Mat ignore = ignoredPixels(mask, grey.size(), params_.image, origin);
+  LikelihoodFrame& frame =
+      prepared->frame = {camera, nullptr, params_.likelihood, edges_->sample_step};
+  const bool elsewhere = backend_->makesTables(params_.image);
+  if (elsewhere) {
+    frame.picture = std::make_shared<Picture>(grey, ignore, params_.image, levels_);
+    backend_->prefetch(frame);
+  }
+  prepared->edges = findEdgesOf(grey, ignore, params_.image);
   prepared->pixels = EdgePixels(prepared->edges);
   const auto t1 = Clock::now();
-  const EdgeField field(prepared->edges, prepared->pixels, params_.image);
-  const auto t2 = Clock::now();
-  prepared->frame = {camera, std::make_shared<ScoreTable>(field, *levels_), params_.likelihood,
-                     edges_->sample_step};
-  const auto t3 = Clock::now();
+  auto t2 = t1, t3 = t1;
+  if (!elsewhere) {
+    const EdgeField field(prepared->edges, prepared->pixels, params_.image);
+    t2 = Clock::now();
+    frame.table = std::make_shared<ScoreTable>(field, *levels_);
+    t3 = Clock::now();
+  }
   prepared->times = {milliseconds(t0, t1), milliseconds(t1, t2), milliseconds(t2, t3)};
   return prepared;
 }

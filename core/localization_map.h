@@ -106,7 +106,7 @@ class LocalizationMap {
   std::unique_ptr<EdgeModel> edges_;
   std::shared_ptr<Visibility> visibility_;
   std::unique_ptr<LikelihoodBackend> backend_;
-  std::unique_ptr<ScoreLevels> levels_;
+  std::shared_ptr<const ScoreLevels> levels_;
   std::unique_ptr<PoseRefiner> refiner_;
   std::shared_ptr<const DepthLikelihood> depth_;
   struct LazySearch {

@@ -107,8 +107,9 @@ PoseScore sumLines(const LikelihoodFrame& frame, const VisibleSet& set, const Po
 }  // namespace
 
 PoseScore referenceScore(const LikelihoodFrame& frame, const VisibleSet& set, const Pose& pose) {
+  const std::shared_ptr<const ScoreTable> table = frame.tableHere();
   return sumLines(frame, set, pose, [&](const ProjectedSample& s, double* score) {
-    return tableScore(*frame.table, s, score);
+    return tableScore(*table, s, score);
   });
 }
 

@@ -41,6 +41,12 @@ class ScoreLevels {
     return code_[static_cast<size_t>(bin) * levels_ + (levels_ == 1 ? 0 : levelOf(clutter))].data();
   }
   size_t entries() const { return entries_; }
+  size_t levels() const { return levels_; }
+  const uint8_t* codesOfLevel(int bin, size_t level) const {
+    return code_[static_cast<size_t>(bin) * levels_ + level].data();
+  }
+  /// Densities of clutter between one level and the next.
+  const std::vector<float>& borders() const { return borders_; }
   /// score = offset + scale * byte.
   float scale() const { return scale_; }
   float offset() const { return offset_; }
@@ -50,7 +56,7 @@ class ScoreLevels {
   size_t levels_, entries_ = 0;
   float scale_ = 1, offset_ = 0;
   std::vector<std::array<uint8_t, 256>> code_;  // (bin, level), then steps
-  std::vector<float> borders_;                  // densities between one level and the next
+  std::vector<float> borders_;
 };
 
 }  // namespace edge_mcl

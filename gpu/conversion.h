@@ -5,6 +5,7 @@
 
 #include "edge_mcl/core/likelihood_backend.h"
 #include "edge_mcl/gpu/particle_score.h"
+#include "edge_mcl/gpu/table_recipe.h"
 
 namespace edge_mcl::gpu {
 
@@ -15,13 +16,13 @@ Combination combinationOf(const LikelihoodParameters& params);
 /// @param cell number of the visibility cell on the device.
 Particle particleOf(const edge_mcl::Pose& T_map_camera, uint32_t cell);
 
-/// A visible set as the device stores it.
-struct CellData {
-  Cell cell;
-  std::vector<Segment> segments;
-  std::vector<uint32_t> group_ends;
-};
-/// @param origin near the cameras that use the cell, map, metres.
-CellData cellOf(const VisibleSet& set, const Eigen::Vector3d& origin);
+/// Of the table that is made of the picture.
+Table tableOf(const Picture& picture);
+
+/// Whether a device can make tables with these parameters.
+bool canMakeTables(const ImageParameters& params);
+TableRecipe recipeOf(int width, int height, const ImageParameters& params,
+                     const ScoreLevels& levels);
+PictureData dataOf(const Picture& picture);
 
 }  // namespace edge_mcl::gpu

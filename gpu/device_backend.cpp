@@ -1,13 +1,24 @@
 #include "edge_mcl/gpu/device_backend.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "edge_mcl/gpu/cell_packing.h"
 #include "edge_mcl/gpu/conversion.h"
 
 namespace edge_mcl {
 
 namespace {
 
-/// Cells on the device before all are dropped and uploaded anew as they are needed.
-constexpr size_t kMostCells = 16384;
+/// Memory of the cells on the device before all are dropped and uploaded anew as they are needed.
+constexpr size_t kMostCellBytes = size_t{1} << 30;
+/// Particles that are sent together: while the device scores some the host prepares the next.
+constexpr size_t kBatch = 131072;
+/// Particles that a thread prepares at once.
+constexpr size_t kGrain = 1024;
 
 }  // namespace
 
@@ -18,10 +29,7 @@ DeviceBackend::DeviceBackend(std::string kind, std::unique_ptr<gpu::ScoringEngin
       visibility_(std::move(visibility)),
       warn_(std::move(warn)),
       fallback_(visibility_),
-      engine_(std::move(engine)) {
-  const EdgeModel& model = visibility_->model();
-  engine_->setModel(model.sample_along.data(), model.sample_along.size());
-}
+      engine_(std::move(engine)) {}
 
 DeviceBackend::~DeviceBackend() = default;
 
@@ -30,55 +38,157 @@ std::string DeviceBackend::name() const {
   return engine_ ? kind_ + " " + engine_->deviceName() : fallback_.name();
 }
 
-uint32_t DeviceBackend::cellNumber(const CellKey& key) const {
-  const auto known = cells_.find(key);
-  if (known != cells_.end()) return known->second;
-  const gpu::CellData data = gpu::cellOf(*visibility_->cached(key), visibility_->cellCentre(key));
-  const uint32_t number = engine_->addCell(data.cell, data.segments.data(), data.segments.size(),
-                                           data.group_ends.data(), data.group_ends.size());
-  cells_.emplace(key, number);
-  return number;
+bool DeviceBackend::makesTables(const ImageParameters& params) const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return engine_ && !visibility_->exactMode() && gpu::canMakeTables(params);
+}
+
+void DeviceBackend::prefetch(const LikelihoodFrame& frame) const {
+  checkFrame(frame);
+  std::lock_guard<std::mutex> lock(mutex_);
+  try {
+    if (engine_ && !visibility_->exactMode()) imageOf(frame);
+  } catch (const gpu::DeviceError& e) {
+    giveUp(e);
+  }
+}
+
+const gpu::TableRecipe& DeviceBackend::recipeFor(const Picture& picture) const {
+  const int width = picture.grey().cols, height = picture.grey().rows;
+  if (recipe_ && recipe_->levels == picture.levels() && recipe_->recipe.work.width == width &&
+      recipe_->recipe.work.height == height)
+    return recipe_->recipe;
+  auto fresh = std::make_unique<Recipe>(
+      Recipe{picture.levels(), picture.params(),
+             gpu::recipeOf(width, height, picture.params(), *picture.levels())});
+  retired_ = std::move(recipe_);
+  recipe_ = std::move(fresh);
+  return recipe_->recipe;
+}
+
+/// Number of the frame's table on the device, where it is brought unless it is there.
+int DeviceBackend::imageOf(const LikelihoodFrame& frame) const {
+  const std::shared_ptr<const void> owner =
+      frame.table ? std::shared_ptr<const void>(frame.table) : frame.picture;
+  int oldest = 0;
+  for (int i = 0; i < gpu::ScoringEngine::kImages; ++i) {
+    if (held_[i].owner == owner) {
+      held_[i].used = ++calls_;
+      return i;
+    }
+    if (held_[i].used < held_[oldest].used) oldest = i;
+  }
+  held_[oldest] = {};
+  const gpu::Camera camera = gpu::cameraOf(frame.camera);
+  if (frame.table || !gpu::canMakeTables(frame.picture->params())) {
+    const std::shared_ptr<const ScoreTable> t = frame.tableHere();
+    engine_->setTable(oldest, camera, gpu::tableOf(*t), t->pairs(), t->pairCount());
+  } else {
+    engine_->setPicture(oldest, camera, gpu::tableOf(*frame.picture), recipeFor(*frame.picture),
+                        gpu::dataOf(*frame.picture));
+  }
+  held_[oldest] = {owner, ++calls_};
+  return oldest;
+}
+
+void DeviceBackend::addCells(std::vector<CellKey> keys, uint32_t thinning) const {
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  std::vector<gpu::CellData> data(keys.size());
+  tbb::parallel_for(size_t{0}, keys.size(), [&](size_t i) {
+    data[i] =
+        gpu::packCell(*visibility_->cached(keys[i]), visibility_->cellCentre(keys[i]), thinning);
+  });
+  for (size_t i = 0; i < keys.size(); ++i) {
+    cells_.emplace(CellName{keys[i], thinning},
+                   engine_->addCell(data[i].cell, data[i].chunks.data(), data[i].samples.data()));
+    cell_bytes_ +=
+        data[i].chunks.size() * sizeof(gpu::Chunk) + data[i].samples.size() * sizeof(gpu::Sample);
+  }
+}
+
+/// Particles [first, last) for the device; cells that it does not have are brought there.
+void DeviceBackend::fill(const std::vector<Pose>& poses, uint32_t thinning, size_t first,
+                         size_t last, gpu::Particle* particles) const {
+  while (true) {
+    std::mutex missing_mutex;
+    std::vector<CellKey> missing;
+    tbb::parallel_for(tbb::blocked_range<size_t>(first, last, kGrain),
+                      [&](const tbb::blocked_range<size_t>& r) {
+                        std::vector<CellKey> unknown;
+                        std::optional<CellKey> known;  // most are in the cell of the one before
+                        uint32_t number = 0;
+                        for (size_t i = r.begin(); i < r.end(); ++i) {
+                          checkPose(poses[i]);
+                          const CellKey key = visibility_->cellOf(poses[i].translation());
+                          if (!known || !(key == *known)) {
+                            const auto entry = cells_.find({key, thinning});
+                            if (entry == cells_.end()) {
+                              unknown.push_back(key);
+                              continue;
+                            }
+                            known = key;
+                            number = entry->second;
+                          }
+                          particles[i] = gpu::particleOf(poses[i], number);
+                        }
+                        if (unknown.empty()) return;
+                        std::lock_guard<std::mutex> lock(missing_mutex);
+                        missing.insert(missing.end(), unknown.begin(), unknown.end());
+                      });
+    if (missing.empty()) return;
+    // The device's memory may move: nothing must be under way.
+    engine_->wait();
+    addCells(std::move(missing), thinning);
+  }
 }
 
 std::vector<PoseScore> DeviceBackend::evaluateOnDevice(const LikelihoodFrame& frame,
                                                        const std::vector<Pose>& poses) const {
-  if (table_ != frame.table) {
-    const ScoreTable& t = *frame.table;
-    table_ = nullptr;
-    engine_->setImage(gpu::cameraOf(frame.camera), gpu::tableOf(t), t.pairs(), t.pairCount());
-    table_ = frame.table;
-  }
-  if (cells_.size() > kMostCells) {
+  const int image = imageOf(frame);
+  if (cell_bytes_ > kMostCellBytes) {
     engine_->clearCells();
     cells_.clear();
+    cell_bytes_ = 0;
   }
-  std::vector<gpu::Particle> particles;
-  particles.reserve(poses.size());
-  for (const Pose& pose : poses)
-    particles.push_back(gpu::particleOf(pose, cellNumber(visibility_->cellOf(pose.translation()))));
-  std::vector<gpu::Result> results(poses.size());
-  engine_->score(gpu::ruleOf(frame), gpu::combinationOf(frame.params), particles.data(),
-                 particles.size(), results.data());
-  std::vector<PoseScore> scores;
-  scores.reserve(results.size());
-  for (const gpu::Result& r : results)
-    scores.push_back({r.log_likelihood, r.sample_weight, r.line_count});
+  const gpu::Rule rule = gpu::ruleOf(frame);
+  const gpu::Combination combination = gpu::combinationOf(frame.params);
+  gpu::Particle* particles = engine_->particles(poses.size());
+  for (size_t first = 0; first < poses.size(); first += kBatch) {
+    const size_t last = std::min(poses.size(), first + kBatch);
+    fill(poses, frame.thinning, first, last, particles);
+    engine_->submit(image, rule, combination, first, last - first);
+  }
+  std::vector<PoseScore> scores(poses.size());  // before waiting: takes time with a million
+  const gpu::Result* results = engine_->wait();
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, poses.size(), 8 * kGrain),
+                    [&](const tbb::blocked_range<size_t>& range) {
+                      for (size_t i = range.begin(); i < range.end(); ++i) {
+                        scores[i].log_likelihood = results[i].log_likelihood;
+                        scores[i].sample_weight = results[i].sample_weight;
+                        scores[i].line_count = results[i].line_count;
+                      }
+                    });
   return scores;
+}
+
+void DeviceBackend::giveUp(const gpu::DeviceError& error) const {
+  engine_.reset();
+  cells_.clear();
+  held_ = {};
+  if (warn_) warn_(std::string(error.what()) + "; continuing on the CPU");
 }
 
 std::vector<PoseScore> DeviceBackend::evaluate(const LikelihoodFrame& frame,
                                                const std::vector<Pose>& camera_poses) const {
-  checkLikelihoodInput(frame, camera_poses);
+  checkFrame(frame);
   {
     std::lock_guard<std::mutex> lock(mutex_);
     // Exact visibility gives every pose a set of its own: nothing to keep on a device.
     try {
       if (engine_ && !visibility_->exactMode()) return evaluateOnDevice(frame, camera_poses);
     } catch (const gpu::DeviceError& e) {
-      engine_.reset();
-      cells_.clear();
-      table_ = nullptr;
-      if (warn_) warn_(std::string(e.what()) + "; continuing on the CPU");
+      giveUp(e);
     }
   }
   return fallback_.evaluate(frame, camera_poses);

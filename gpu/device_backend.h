@@ -1,11 +1,13 @@
 /// Likelihood on a device behind the common interface.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "edge_mcl/core/cpu_backend.h"
 #include "edge_mcl/gpu/scoring_engine.h"
@@ -17,7 +19,7 @@ namespace edge_mcl {
 class DeviceBackend : public LikelihoodBackend {
  public:
   /// @param kind for name(), e.g. "cuda". @param warn called once, with one line, when the device
-  /// fails. @throws gpu::DeviceError when the engine cannot take the model.
+  /// fails.
   DeviceBackend(std::string kind, std::unique_ptr<gpu::ScoringEngine> engine,
                 std::shared_ptr<const Visibility> visibility,
                 std::function<void(const std::string&)> warn);
@@ -26,11 +28,31 @@ class DeviceBackend : public LikelihoodBackend {
   std::vector<PoseScore> evaluate(const LikelihoodFrame& frame,
                                   const std::vector<Pose>& camera_poses) const override;
   std::string name() const override;
+  bool makesTables(const ImageParameters& params) const override;
+  void prefetch(const LikelihoodFrame& frame) const override;
 
  private:
+  /// A cell at a thinning.
+  using CellName = std::pair<CellKey, uint32_t>;
+  /// Whose table the device holds; kept alive, so that no other can have its address.
+  struct Held {
+    std::shared_ptr<const void> owner;
+    uint64_t used = 0;  ///< when, in calls
+  };
+  struct Recipe {
+    std::shared_ptr<const ScoreLevels> levels;
+    ImageParameters params;
+    gpu::TableRecipe recipe;
+  };
+
   std::vector<PoseScore> evaluateOnDevice(const LikelihoodFrame& frame,
                                           const std::vector<Pose>& camera_poses) const;
-  uint32_t cellNumber(const CellKey& key) const;
+  int imageOf(const LikelihoodFrame& frame) const;
+  const gpu::TableRecipe& recipeFor(const Picture& picture) const;
+  void fill(const std::vector<Pose>& poses, uint32_t thinning, size_t first, size_t last,
+            gpu::Particle* particles) const;
+  void addCells(std::vector<CellKey> keys, uint32_t thinning) const;
+  void giveUp(const gpu::DeviceError& error) const;
 
   std::string kind_;
   std::shared_ptr<const Visibility> visibility_;
@@ -38,9 +60,11 @@ class DeviceBackend : public LikelihoodBackend {
   CpuBackend fallback_;
   mutable std::mutex mutex_;
   mutable std::unique_ptr<gpu::ScoringEngine> engine_;  ///< null after a failure
-  mutable std::map<CellKey, uint32_t> cells_;           ///< on the device
-  /// Whose table is on the device; kept alive, so that no other can have its address.
-  mutable std::shared_ptr<const ScoreTable> table_;
+  mutable std::map<CellName, uint32_t> cells_;          ///< on the device
+  mutable size_t cell_bytes_ = 0;
+  mutable std::array<Held, gpu::ScoringEngine::kImages> held_;
+  mutable uint64_t calls_ = 0;
+  mutable std::unique_ptr<Recipe> recipe_, retired_;  ///< the engine may still have the latter
 };
 
 }  // namespace edge_mcl

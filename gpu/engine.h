@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "scoring_engine.h"
 
@@ -28,21 +29,28 @@ class Engine : public ScoringEngine {
   Engine& operator=(const Engine&) = delete;
 
   std::string deviceName() const override;
-  void setModel(const float* along, size_t count) override;
-  uint32_t addCell(Cell cell, const Segment* segments, size_t segment_count,
-                   const uint32_t* group_ends, size_t group_count) override;
+  uint32_t addCell(Cell cell, const Chunk* chunks, const Sample* samples) override;
   void clearCells() override;
-  void setImage(const Camera& camera, const Table& table, const uint16_t* pairs,
+  void setTable(int image, const Camera& camera, const Table& table, const uint16_t* pairs,
                 size_t count) override;
-  void score(const Rule& rule, const Combination& combination, const Particle* particles,
-             size_t count, Result* results) override;
+  void setPicture(int image, const Camera& camera, const Table& table, const TableRecipe& recipe,
+                  const PictureData& picture) override;
+  Particle* particles(size_t count) override;
+  void submit(int image, const Rule& rule, const Combination& combination, size_t first,
+              size_t count) override;
+  const Result* wait() override;
 
+  /// Reads a table back from the device.
+  std::vector<Quad> table(int image);
   DeviceLimits limits() const;
   /// Device memory held by this engine, bytes.
   size_t deviceBytes() const;
-  size_t cellCount() const;
-  /// Milliseconds of the last score() on the device: kernel alone.
+  /// Memory of the whole device that nobody holds, bytes.
+  static size_t freeBytes();
+  /// Milliseconds on the device, of the last submit(): kernel alone.
   float kernelMilliseconds() const;
+  /// Of the last setPicture(), upload included.
+  float pictureMilliseconds() const;
 
  private:
   struct Impl;

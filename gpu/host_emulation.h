@@ -7,8 +7,9 @@
 
 namespace edge_mcl::gpu {
 
-/// The same bits as the kernel with that many teams per particle, where the device's division, root
-/// and arc tangent round like the host's.
-std::vector<Result> emulate(const Workload& workload, int teams);
+/// @param quads the workload's table, see emulateTable.
+/// @return the same bits as the kernel with that many warps per particle, where the device's
+/// division, root and arc tangent round like the host's.
+std::vector<Result> emulate(const Workload& workload, const std::vector<Quad>& quads, int warps);
 
 }  // namespace edge_mcl::gpu

@@ -1,12 +1,14 @@
-/// Log-likelihood of one particle by teams of sixteen lanes, a lane per normal: the body of the
-/// CUDA kernel, for host and device.
+/// Log-likelihood of one particle by warps of 32 lanes, a lane per normal: the body of the CUDA
+/// kernel, for host and device.
 #pragma once
 
 #include "sample_math.h"
 
 namespace edge_mcl::gpu {
 
-constexpr int kTeamLanes = 16;  ///< samples of a segment
+constexpr int kLanes = 32;  ///< of a warp
+/// A cell's lines are dealt out to so many parts, which warps can work on side by side.
+constexpr int kParts = 4;
 
 /// A particle: camera pose in the map and the visibility cell it is in.
 struct Particle {
@@ -16,13 +18,31 @@ struct Particle {
   uint32_t unused;
 };
 
-/// A visibility cell: its segments, grouped into lines (equation 2).
+/// A visible sample of the model, relative to its cell's origin.
+struct alignas(16) Sample {
+  float centre[3];   ///< of its segment, metres, map axes
+  float along;       ///< position along the tangent from there, metres
+  float tangent[3];  ///< unit, map axes
+  float weight;      ///< how far the cell's middle sees it (robust)
+};
+static_assert(sizeof(Sample) == 32, "two loads of 16 bytes");
+
+/// Samples that the lanes of a warp work on at once; those of a line lie side by side.
+struct alignas(16) Chunk {
+  float centre[3], radius;  ///< of a sphere around them, metres, relative to the cell's origin
+  uint32_t heads;           ///< bit i: sample i is of another line than sample i - 1
+  uint32_t count;
+  uint32_t first_line, last_line;  ///< of the first and last sample, numbers within the cell
+};
+static_assert(sizeof(Chunk) == 32, "two loads of 16 bytes");
+
+/// A visibility cell. Its chunk c has the samples from 32 c on.
 struct Cell {
-  double origin[3];      ///< map, metres; the segments' centres are relative to it
-  uint32_t first_group;  ///< into the array of group ends
-  uint32_t group_count;
-  uint32_t first_segment;
-  uint32_t unused;
+  double origin[3];  ///< map, metres
+  uint32_t first_chunk;
+  uint32_t chunk_count;
+  /// Part p has the cell's chunks from part_end[p - 1] (0) to part_end[p]. No line is in two parts.
+  uint32_t part_end[kParts];
 };
 
 /// From sums over lines to the log-likelihood, see edge_mcl::combineLines.
@@ -52,30 +72,33 @@ EDGE_MCL_DEVICE_FUNCTION void fillPose(const Particle& particle, const Cell& cel
   pose->translation_rest[i - 9] = static_cast<float>(sum - pose->translation[i - 9]);
 }
 
-/// Score and weight of a lane or of a whole line.
+/// Score and weight of a lane or of a line.
 struct PartialLine {
   float score, weight;
 };
 
-/// Whether the lane's sample is visible and not thinned out.
-EDGE_MCL_DEVICE_FUNCTION bool isUsed(const Rule& rule, const Segment& segment, int lane) {
-  if (!(segment.seen >> lane & 1u)) return false;
-  return rule.thinning <= 1 || (segment.first + lane) % rule.thinning == 0;
+/// One sample's contribution to its line.
+EDGE_MCL_DEVICE_FUNCTION PartialLine scoreOf(const Camera& camera, const Table& table,
+                                             const Quad* quads, const Rule& rule, const Pose& pose,
+                                             const Sample& sample) {
+  const SampleScore score =
+      scoreSample(camera, table, quads, rule, transformPoint(pose, sample.centre),
+                  rotateDirection(pose, sample.tangent), sample.along);
+  const float weight = (rule.paper ? 1.0f : sample.weight) * score.weight;
+  return {weight * score.score, weight};
 }
 
-/// Adds the lane's sample of one segment.
-EDGE_MCL_DEVICE_FUNCTION void addSample(const Camera& camera, const Table& table,
-                                        const uint16_t* pairs, const Rule& rule, const Pose& pose,
-                                        const Segment& segment, const float* along, int lane,
-                                        PartialLine* sum) {
-  if (!isUsed(rule, segment, lane)) return;
-  const SampleScore sample =
-      scoreSample(camera, table, pairs, rule, transformPoint(pose, segment.centre),
-                  rotateDirection(pose, segment.tangent), along[segment.first + lane]);
-  const float facing = rule.paper ? 1.0f : static_cast<float>(segment.seen >> 16) * (1 / 65535.0f);
-  const float weight = facing * sample.weight;
-  sum->score = fmaf(weight, sample.score, sum->score);
-  sum->weight += weight;
+/// Whether some of the chunk may be in the image: its sphere against the cone around the optical
+/// axis that holds the image.
+EDGE_MCL_DEVICE_FUNCTION bool mayBeInView(const Camera& camera, const Pose& pose,
+                                          const Chunk& chunk) {
+  const Vector3 c = transformPoint(pose, chunk.centre);
+  const float across = sqrtf(fmaf(c.x, c.x, c.y * c.y));
+  const float square = fmaf(c.z, c.z, across * across);
+  if (square <= chunk.radius * chunk.radius) return true;
+  // Signed distance from the cone's surface, seen from outside positive. Where the apex is nearest
+  // the distance is larger than that.
+  return fmaf(across, camera.view_cos, -c.z * camera.view_sin) <= chunk.radius;
 }
 
 /// Sums over lines; the rounding error of the sum is carried along (Knuth's two-sum).
@@ -103,16 +126,16 @@ EDGE_MCL_DEVICE_FUNCTION void closeLine(const Rule& rule, const PartialLine& lin
   sums->weight += line.weight;
 }
 
-/// Adds the sums of the teams of one particle, in their order.
-EDGE_MCL_DEVICE_FUNCTION Result combineTeams(const Rule& rule, const Combination& combination,
-                                             const LineSums* teams, int count) {
-  double sum = 0;
-  float lines = 0, weight = 0;
-  for (int i = 0; i < count; ++i) {
-    sum += static_cast<double>(teams[i].sum) + teams[i].error;
-    lines += teams[i].count;
-    weight += teams[i].weight;
-  }
+/// The line that is not finished at the end of a chunk.
+struct OpenLine {
+  PartialLine sum;
+  uint32_t line;
+};
+constexpr uint32_t kNoLine = 0xffffffffu;
+
+/// From sums over all lines to the result.
+EDGE_MCL_DEVICE_FUNCTION Result combine(const Rule& rule, const Combination& combination,
+                                        double sum, float lines, float weight) {
   double value = 0;
   if (rule.paper)
     value = combination.log_alpha + (lines > 0 ? combination.k * sum / lines : 0);

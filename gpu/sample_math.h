@@ -22,18 +22,26 @@ enum Distortion : int32_t { kNone, kPlumbBob, kRationalPolynomial, kEquidistant 
 /// Intrinsics, see edge_mcl::CameraModel.
 struct Camera {
   float fx, fy, cx, cy;
-  float last_x, last_y;  ///< width - 1, height - 1
-  float max_radius2;     ///< of (X/Z, Y/Z); beyond, the distortion is not monotone
-  float min_depth;       ///< metres
+  float last_x, last_y;      ///< width - 1, height - 1
+  float max_radius2;         ///< of (X/Z, Y/Z); beyond, the distortion is not monotone
+  float min_depth;           ///< metres
+  float view_sin, view_cos;  ///< of half the opening of the cone around the axis with the image
   int32_t distortion;
   float k[8];
 };
 
 /// Geometry of the score table, see edge_mcl::ScoreTable.
 struct Table {
-  int32_t stride, rows, bins;
+  int32_t width, height, bins;
   int32_t has_ignored;
   float scale, offset;
+};
+
+/// Element of the table on the device: what ScoreTable::pairs has for a pixel (low half) and its
+/// right neighbour, in its row and the row below. So a sample needs one look-up, where separate
+/// ones are what binds the kernel. Row-major (bin, y, x).
+struct alignas(8) Quad {
+  uint32_t top, bottom;
 };
 
 /// How samples become lines and lines a log-likelihood.
@@ -42,17 +50,7 @@ struct Rule {
   float inverse_saturation;  ///< robust: 1 / samples that a line counts for at most
   float inverse_fade;        ///< 1 / width of the fade at the image border, pixels
   float spacing_scale;       ///< see edge_mcl::spacingScale
-  uint32_t thinning;         ///< every so many-th sample counts
 };
-
-/// A segment seen from a cell, relative to the cell's origin.
-struct alignas(16) Segment {
-  float centre[3];   ///< metres, map axes
-  uint32_t seen;     ///< low half: bit i: sample i is visible; high half: weight, of 65535
-  float tangent[3];  ///< unit, map axes
-  uint32_t first;    ///< first sample, into the model's positions along tangents
-};
-static_assert(sizeof(Segment) == 32, "two loads of 16 bytes");
 
 /// Camera from map, as two floats each (value and rest), which keeps 48 bits of the pose.
 struct Pose {
@@ -126,15 +124,27 @@ EDGE_MCL_DEVICE_FUNCTION Distorted distortPolynomial(const Camera& camera, float
 }
 
 /// Byte of a pair of neighbouring directions, interpolated between them.
-EDGE_MCL_DEVICE_FUNCTION float mixPair(uint16_t pair, float share) {
+EDGE_MCL_DEVICE_FUNCTION float mixPair(uint32_t pair, float share) {
   const float here = static_cast<float>(pair & 0xffu);
-  return fmaf(share, static_cast<float>(pair >> 8) - here, here);
+  return fmaf(share, static_cast<float>(pair >> 8 & 0xffu) - here, here);
+}
+
+EDGE_MCL_DEVICE_FUNCTION bool isIgnored(uint32_t two_pairs) {
+  return !(two_pairs & 0xffu) || !(two_pairs & 0xff0000u);
+}
+
+EDGE_MCL_DEVICE_FUNCTION Quad loadQuad(const Quad* at) {
+#if defined(__CUDA_ARCH__)
+  const uint2 both = __ldg(reinterpret_cast<const uint2*>(at));
+  return {both.x, both.y};
+#else
+  return *at;
+#endif
 }
 
 /// @param along metres from the segment's centre. @param centre, tangent camera frame.
-/// @param pairs ScoreTable::pairs().
 EDGE_MCL_DEVICE_FUNCTION SampleScore scoreSample(const Camera& camera, const Table& table,
-                                                 const uint16_t* pairs, const Rule& rule,
+                                                 const Quad* quads, const Rule& rule,
                                                  const Vector3& centre, const Vector3& tangent,
                                                  float along) {
   const SampleScore none{0, 0};
@@ -173,15 +183,14 @@ EDGE_MCL_DEVICE_FUNCTION SampleScore scoreSample(const Camera& camera, const Tab
   // Not u - ix: one rounding less.
   const float share_x = fmaf(camera.fx, x, camera.cx - static_cast<float>(ix));
   const float share_y = fmaf(camera.fy, y, camera.cy - static_cast<float>(iy));
-  const uint16_t* at =
-      pairs + (static_cast<int64_t>(bin_floor) * table.rows + iy) * table.stride + ix;
-  const uint16_t p00 = at[0], p10 = at[1], p01 = at[table.stride], p11 = at[table.stride + 1];
-  if (table.has_ignored && (!(p00 & 0xffu) || !(p10 & 0xffu) || !(p01 & 0xffu) || !(p11 & 0xffu)))
-    return none;
-  const float top =
-      fmaf(share_x, mixPair(p10, bin_share) - mixPair(p00, bin_share), mixPair(p00, bin_share));
+  const Quad quad =
+      loadQuad(quads + (static_cast<int64_t>(bin_floor) * table.height + iy) * table.width + ix);
+  if (table.has_ignored && (isIgnored(quad.top) || isIgnored(quad.bottom))) return none;
+  const float left_top = mixPair(quad.top, bin_share);
+  const float top = fmaf(share_x, mixPair(quad.top >> 16, bin_share) - left_top, left_top);
+  const float left_bottom = mixPair(quad.bottom, bin_share);
   const float bottom =
-      fmaf(share_x, mixPair(p11, bin_share) - mixPair(p01, bin_share), mixPair(p01, bin_share));
+      fmaf(share_x, mixPair(quad.bottom >> 16, bin_share) - left_bottom, left_bottom);
   return {weight, fmaf(table.scale, fmaf(share_y, bottom - top, top), table.offset)};
 }
 

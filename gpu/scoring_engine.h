@@ -6,6 +6,7 @@
 #include <string>
 
 #include "particle_score.h"
+#include "table_recipe.h"
 
 namespace edge_mcl::gpu {
 
@@ -15,36 +16,41 @@ class DeviceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Teams of sixteen lanes that share one particle, for a number of particles: few particles get
-/// more lanes each, so that the device is full.
-inline int teamsFor(size_t particles) { return particles < 20000 ? 8 : 2; }
+/// Warps that share one particle: few particles get more of them, so that the device is full.
+inline int warpsFor(size_t particles) { return particles < 20000 ? kParts : 1; }
 
-/// Holds model, visibility cells and an image's table, and scores particles. Not for use from
-/// several threads at once. Every method may throw DeviceError.
+/// Holds model, visibility cells and images' tables, and scores particles. Not for use from several
+/// threads at once. Every method may throw DeviceError.
 class ScoringEngine {
  public:
+  static constexpr int kImages = 4;  ///< tables that are kept
+
   virtual ~ScoringEngine() = default;
   /// E.g. "NVIDIA H100, compute capability 9.0".
   virtual std::string deviceName() const = 0;
 
-  /// Positions of the model's samples along their segments; drops all cells.
-  virtual void setModel(const float* along, size_t count) = 0;
-  /// Uploads a cell once. @param cell origin; its counts and positions are filled in.
-  /// @param group_ends for each line, the number of segments up to its end.
-  /// @return number of the cell, for Particle::cell.
-  virtual uint32_t addCell(Cell cell, const Segment* segments, size_t segment_count,
-                           const uint32_t* group_ends, size_t group_count) = 0;
+  /// Uploads a cell once. @param cell first_chunk is filled in.
+  /// @param samples 32 for each of the cell's chunks. @return number, for Particle::cell.
+  virtual uint32_t addCell(Cell cell, const Chunk* chunks, const Sample* samples) = 0;
   virtual void clearCells() = 0;
 
-  /// Starts the upload of an image's table, which may overlap with a score() that still runs; the
-  /// next score() uses it. @param pairs `count` elements, see ScoreTable::pairs; may be freed after
-  /// the call.
-  virtual void setImage(const Camera& camera, const Table& table, const uint16_t* pairs,
+  /// Starts the upload of a table made on the host, or of a picture and the making of its table on
+  /// the device. Either may overlap with scoring that still runs. What is passed may be freed after
+  /// the call, but for the recipe, which has to live until the next call of setPicture.
+  /// @param image 0 to kImages - 1; its table is replaced.
+  /// @param pairs `count` elements, see ScoreTable::pairs.
+  virtual void setTable(int image, const Camera& camera, const Table& table, const uint16_t* pairs,
                         size_t count) = 0;
+  virtual void setPicture(int image, const Camera& camera, const Table& table,
+                          const TableRecipe& recipe, const PictureData& picture) = 0;
 
-  /// Blocks until the results are there.
-  virtual void score(const Rule& rule, const Combination& combination, const Particle* particles,
-                     size_t count, Result* results) = 0;
+  /// Memory for so many particles, for the caller to fill; valid until the next call.
+  virtual Particle* particles(size_t count) = 0;
+  /// Starts the scoring of those from `first` on, which are filled, each with a cell that is known.
+  virtual void submit(int image, const Rule& rule, const Combination& combination, size_t first,
+                      size_t count) = 0;
+  /// Blocks until all that were submitted are scored. @return a result for each of particles().
+  virtual const Result* wait() = 0;
 };
 
 }  // namespace edge_mcl::gpu

@@ -1,5 +1,6 @@
 #include "workload.h"
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
@@ -9,7 +10,7 @@ namespace edge_mcl::gpu {
 
 namespace {
 
-constexpr char kMagic[16] = "edge_mcl work 2";
+constexpr char kMagic[16] = "edge_mcl work 3";
 constexpr uint64_t kMostElements = uint64_t{1} << 32;
 
 /// Visits the parts of the file in their order.
@@ -21,9 +22,15 @@ void visitParts(W& w, F&& part) {
   part.value(w.rule);
   part.value(w.combination);
   part.array(w.pairs);
-  part.array(w.along);
-  part.array(w.segments);
-  part.array(w.group_ends);
+  part.value(w.recipe.work);
+  part.array(w.recipe.directions);
+  part.array(w.recipe.shifts);
+  part.array(w.recipe.level_codes);
+  part.array(w.recipe.level_borders);
+  part.array(w.grey);
+  part.array(w.ignore);
+  part.array(w.chunks);
+  part.array(w.samples);
   part.array(w.cells);
   part.array(w.particles);
   part.array(w.reference);
@@ -73,34 +80,53 @@ struct Reader {
   void text(std::string& s) { array(s); }
 };
 
+/// Whether kernels that go by the recipe stay within its arrays.
+bool isSound(const Workload& w) {
+  const TableRecipe& r = w.recipe;
+  const PictureWork& p = r.work;
+  if (p.width != w.table.width || p.height != w.table.height || p.bins != w.table.bins ||
+      p.bins > kMostBins || p.levels < 1 || p.entries < 1 || p.blur_radius < 0 ||
+      p.blur_radius > kMostBlurRadius || p.window_cells < 1)
+    return false;
+  if (p.cell_columns != (p.width + kClutterCell - 1) / kClutterCell ||
+      p.cell_rows != (p.height + kClutterCell - 1) / kClutterCell ||
+      p.longest != std::max(p.width, p.height))
+    return false;
+  const auto bins = static_cast<size_t>(p.bins);
+  for (const DirectionBin& d : r.directions)
+    if (d.no_edge < 1 || d.no_edge >= p.entries) return false;
+  return r.directions.size() == bins && r.shifts.size() == bins * p.longest &&
+         r.level_codes.size() == bins * p.levels * p.entries &&
+         r.level_borders.size() + 1 == static_cast<size_t>(p.levels) &&
+         w.grey.size() == pixelsOf(p) && (w.ignore.empty() || w.ignore.size() == pixelsOf(p));
+}
+
 void check(const Workload& w, const std::string& file) {
   const auto require = [&](bool good, const char* what) {
     if (!good) throw std::runtime_error(file + ": the workload is damaged: " + what);
   };
   const Table& t = w.table;
-  require(t.stride > 1 && t.rows > 1 && t.bins > 0 && t.bins < 256 && t.stride < 20002 &&
-              t.rows < 20002,
+  require(t.width > 0 && t.height > 0 && t.bins > 0 && t.bins < 256 && t.width <= 20000 &&
+              t.height <= 20000,
           "table size");
-  require(w.pairs.size() >= static_cast<size_t>(t.stride) * t.rows * t.bins + 1, "table");
-  require(w.camera.last_x == static_cast<float>(t.stride - 2) &&
-              w.camera.last_y == static_cast<float>(t.rows - 2),
+  require(w.pairs.size() == (static_cast<size_t>(t.width) + 1) * (t.height + 1) * t.bins + 1,
+          "table");
+  require(w.camera.last_x == static_cast<float>(t.width - 1) &&
+              w.camera.last_y == static_cast<float>(t.height - 1),
           "image size");
+  require(w.recipe.work.bins == 0 || isSound(w), "recipe of the table");
+  require(w.samples.size() == w.chunks.size() * kLanes, "samples");
+  for (const Chunk& c : w.chunks) require(c.count <= kLanes, "chunks");
   for (const Cell& c : w.cells) {
-    require(c.first_group <= w.group_ends.size() &&
-                c.group_count <= w.group_ends.size() - c.first_group,
-            "groups");
+    require(c.first_chunk <= w.chunks.size() && c.chunk_count <= w.chunks.size() - c.first_chunk,
+            "cells");
     uint32_t end = 0;
-    for (uint32_t g = 0; g < c.group_count; ++g) {
-      require(w.group_ends[c.first_group + g] >= end, "order of groups");
-      end = w.group_ends[c.first_group + g];
+    for (const uint32_t of_part : c.part_end) {
+      require(of_part >= end, "order of parts");
+      end = of_part;
     }
-    require(c.first_segment <= w.segments.size() && end <= w.segments.size() - c.first_segment,
-            "segments");
+    require(end == c.chunk_count, "parts");
   }
-  for (const Segment& s : w.segments)
-    for (uint32_t i = 0; i < kTeamLanes; ++i)
-      require(!(s.seen >> i & 1u) || (s.first < w.along.size() && i < w.along.size() - s.first),
-              "samples");
   for (const Particle& p : w.particles) require(p.cell < w.cells.size(), "cell of a particle");
   require(w.reference.size() == w.particles.size(), "reference");
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "particle_score.h"
+#include "table_recipe.h"
 
 namespace edge_mcl::gpu {
 
@@ -15,10 +16,12 @@ struct Workload {
   Table table{};
   Rule rule{};
   Combination combination{};
-  std::vector<uint16_t> pairs;       ///< score table, see ScoreTable::pairs
-  std::vector<float> along;          ///< of every sample of the model
-  std::vector<Segment> segments;     ///< of all cells
-  std::vector<uint32_t> group_ends;  ///< of all cells: number of the cell's segments up to there
+  std::vector<uint16_t> pairs;  ///< score table, see ScoreTable::pairs
+  TableRecipe recipe;           ///< of the table; no bins: it cannot be made on a device
+  std::vector<uint8_t> grey;    ///< what the table was made of, without gaps between rows
+  std::vector<uint8_t> ignore;  ///< empty without a mask
+  std::vector<Chunk> chunks;    ///< of all cells
+  std::vector<Sample> samples;  ///< kLanes for every chunk
   std::vector<Cell> cells;
   std::vector<Particle> particles;
   std::vector<double> reference;  ///< log-likelihoods of the CPU backend, one per particle

@@ -13,6 +13,7 @@
 
 #include "engine.h"
 #include "host_emulation.h"
+#include "table_emulation.h"
 #include "workload.h"
 
 namespace {
@@ -62,12 +63,46 @@ bool report(const char* what, const Workload& w, const std::vector<Result>& resu
 }
 
 void load(const Workload& w, Engine* engine) {
-  engine->setModel(w.along.data(), w.along.size());
-  for (const Cell& c : w.cells) {
-    const uint32_t* ends = w.group_ends.data() + c.first_group;
-    engine->addCell(c, w.segments.data() + c.first_segment,
-                    c.group_count ? ends[c.group_count - 1] : 0, ends, c.group_count);
+  for (const Cell& c : w.cells)
+    engine->addCell(c, w.chunks.data() + c.first_chunk,
+                    w.samples.data() + static_cast<size_t>(c.first_chunk) * kLanes);
+}
+
+bool hasPicture(const Workload& w) { return w.recipe.work.bins > 0; }
+
+void setImage(const Workload& w, Engine* engine) {
+  if (!hasPicture(w)) return engine->setTable(0, w.camera, w.table, w.pairs.data(), w.pairs.size());
+  const auto width = static_cast<size_t>(w.recipe.work.width);
+  engine->setPicture(0, w.camera, w.table, w.recipe,
+                     {w.grey.data(), width, w.ignore.empty() ? nullptr : w.ignore.data(), width});
+}
+
+/// Weights of n particles, which are copied in batches while the device works on those before.
+const Result* score(const Workload& w, const std::vector<Particle>& particles, Engine* engine) {
+  constexpr size_t kBatch = 131072;
+  Particle* to = engine->particles(particles.size());
+  for (size_t first = 0; first < particles.size(); first += kBatch) {
+    const size_t count = std::min(kBatch, particles.size() - first);
+    std::memcpy(to + first, particles.data() + first, count * sizeof *to);
+    engine->submit(0, w.rule, w.combination, first, count);
   }
+  return engine->wait();
+}
+
+std::vector<Result> scoreAll(const Workload& w, Engine* engine) {
+  const Result* results = score(w, w.particles, engine);
+  return {results, results + w.particles.size()};
+}
+
+/// Tables have to be the same to the last bit.
+bool reportTable(const char* what, const Workload& w, const std::vector<Quad>& made) {
+  const std::vector<Quad> expected = emulateTable(w.table, w.pairs.data());
+  size_t differ = made.size() == expected.size() ? 0 : expected.size();
+  for (size_t i = 0; i < std::min(made.size(), expected.size()); ++i)
+    differ += made[i].top != expected[i].top || made[i].bottom != expected[i].bottom;
+  std::printf("%s: table of %zu elements, %zu of them differ: %s\n", what, expected.size(), differ,
+              differ == 0 ? "ok" : "WRONG");
+  return differ == 0;
 }
 
 double medianMilliseconds(int repeats, const std::function<void()>& work) {
@@ -83,26 +118,33 @@ double medianMilliseconds(int repeats, const std::function<void()>& work) {
   return ms[repeats / 2];
 }
 
-/// Visible samples of the particles' cells, after thinning: what the kernel works through.
-double samplesPerParticle(const Workload& w) {
-  std::vector<double> of_cell(w.cells.size(), 0);
-  for (size_t c = 0; c < w.cells.size(); ++c) {
-    const Cell& cell = w.cells[c];
-    if (cell.group_count == 0) continue;
-    const uint32_t count = w.group_ends[cell.first_group + cell.group_count - 1];
-    for (uint32_t s = cell.first_segment; s < cell.first_segment + count; ++s)
-      for (int lane = 0; lane < kTeamLanes; ++lane)
-        of_cell[c] += isUsed(w.rule, w.segments[s], lane);
+/// What the kernel works through for a particle, on average.
+struct Work {
+  double chunks = 0, samples = 0;  ///< of the cell
+  double samples_seen = 0;         ///< in chunks that may be in view
+};
+
+Work workPerParticle(const Workload& w) {
+  Work sum;
+  for (const Particle& p : w.particles) {
+    const Cell& cell = w.cells[p.cell];
+    Pose pose{};
+    for (int i = 0; i < 12; ++i) fillPose(p, cell, i, &pose);
+    for (uint32_t c = 0; c < cell.chunk_count; ++c) {
+      const Chunk& chunk = w.chunks[cell.first_chunk + c];
+      sum.chunks += 1;
+      sum.samples += chunk.count;
+      if (mayBeInView(w.camera, pose, chunk)) sum.samples_seen += chunk.count;
+    }
   }
-  double sum = 0;
-  for (const Particle& p : w.particles) sum += of_cell[p.cell];
-  return sum / static_cast<double>(w.particles.size());
+  const auto n = static_cast<double>(w.particles.size());
+  return {sum.chunks / n, sum.samples / n, sum.samples_seen / n};
 }
 
 /// How far the largest run was from what the device can do at best.
 void printRoofline(const Engine& engine, double samples, double kernel_ms) {
-  // Counted in scoreSample: arithmetic of a sample without distortion, and its two look-ups, which
-  // are charged as if they all went to memory in sectors of 32 bytes.
+  // Counted in scoreSample and transformPoint: single-precision arithmetic of a sample without
+  // distortion. Its look-ups are charged as if they all went to memory in sectors of 32 bytes.
   constexpr double kOperations = 110, kBytes = 2 * 32;
   const DeviceLimits limits = engine.limits();
   const double per_second = samples / (1e-3 * kernel_ms);
@@ -116,34 +158,100 @@ void printRoofline(const Engine& engine, double samples, double kernel_ms) {
 }
 
 void time(const Workload& w, Engine* engine) {
-  std::printf("%s on %s\n%10s %14s %14s %12s\n", w.name.c_str(), engine->deviceName().c_str(),
-              "particles", "table+score ms", "kernel ms", "per ours CPU");
+  const Work work = workPerParticle(w);
+  std::printf(
+      "%s on %s\n%.0f samples per particle visible from its cell, %.0f of them in chunks "
+      "in view\n",
+      w.name.c_str(), engine->deviceName().c_str(), work.samples, work.samples_seen);
+  std::printf("%10s %18s %14s %14s\n", "particles", "image to weights", "weights", "kernel, ms");
   for (const size_t n : {100, 500, 1000, 5000, 10000, 50000, 100000, 1000000}) {
     std::vector<Particle> particles;
     particles.reserve(n);
     for (size_t i = 0; i < n; ++i) particles.push_back(w.particles[i % w.particles.size()]);
-    std::vector<Result> results(n);
-    float kernel = 0;
-    const double ms = medianMilliseconds(n > 50000 ? 10 : 50, [&] {
-      engine->setImage(w.camera, w.table, w.pairs.data(), w.pairs.size());
-      engine->score(w.rule, w.combination, particles.data(), n, results.data());
-      kernel = engine->kernelMilliseconds();
+    const int repeats = n > 50000 ? 10 : 200;
+    const auto fromImage = [&] {
+      setImage(w, engine);
+      score(w, particles, engine);
+    };
+    fromImage();  // warm: memory is allocated
+    const double image = medianMilliseconds(repeats, fromImage);
+    const double weights = medianMilliseconds(repeats, [&] { score(w, particles, engine); });
+    const float last = engine->kernelMilliseconds();  // of the last batch
+    if (n <= 100000) {
+      std::printf("%10zu %18.3f %14.3f %14.3f\n", n, image, weights, last);
+      continue;
+    }
+    // All in one batch, for the kernel alone.
+    std::memcpy(engine->particles(n), particles.data(), n * sizeof(Particle));
+    engine->submit(0, w.rule, w.combination, 0, n);
+    engine->wait();
+    engine->submit(0, w.rule, w.combination, 0, n);
+    engine->wait();
+    const float kernel = engine->kernelMilliseconds();
+    std::printf("%10zu %18.3f %14.3f %14.3f\n", n, image, weights, kernel);
+    printRoofline(*engine, work.samples_seen * static_cast<double>(n), kernel);
+  }
+  if (hasPicture(w)) {
+    std::vector<double> ms;
+    const double host = medianMilliseconds(200, [&] {
+      setImage(w, engine);
+      ms.push_back(engine->pictureMilliseconds());
     });
-    const double cpu = w.cpu_ms * static_cast<double>(n) / static_cast<double>(w.particles.size());
-    std::printf("%10zu %14.3f %14.3f %12.1f\n", n, ms, kernel, cpu / ms);
-    if (n == 1000000)
-      printRoofline(*engine, samplesPerParticle(w) * static_cast<double>(n), kernel);
+    std::nth_element(ms.begin(), ms.begin() + 100, ms.end());
+    std::printf("picture to table: %.3f ms, on the device %.3f ms\n", host, ms[100]);
   }
   std::printf("device memory held: %.1f MB\n", static_cast<double>(engine->deviceBytes()) / 1e6);
+}
+
+double residentMegabytes() {
+  long pages = 0, resident = 0;
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  if (!file) return 0;
+  if (std::fscanf(file, "%ld %ld", &pages, &resident) != 2) resident = 0;
+  std::fclose(file);
+  return static_cast<double>(resident) * 4096 / 1e6;
+}
+
+/// Many images one after the other: neither memory may grow.
+int soak(const Workload& w, Engine* engine) {
+  constexpr int kUpdates = 100000;
+  double host = 0, device = 0;
+  for (int i = 1; i <= kUpdates; ++i) {
+    setImage(w, engine);
+    score(w, w.particles, engine);
+    if (i % (kUpdates / 10) != 0) continue;
+    const double resident = residentMegabytes(),
+                 free = 1e-6 * static_cast<double>(Engine::freeBytes());
+    if (i == kUpdates / 10) {
+      host = resident;
+      device = free;
+    }
+    std::printf("%6d updates: resident %.1f MB, free on the device %.1f MB\n", i, resident, free);
+    if (i == kUpdates) {
+      const bool good = resident - host < 1 && device - free < 1;
+      std::printf("gained since the first tenth: %.1f MB, on the device %.1f MB: %s\n",
+                  resident - host, device - free, good ? "ok" : "WRONG");
+      return good ? kOk : kWrong;
+    }
+  }
+  return kOk;
 }
 
 int run(const std::string& mode, const std::string& file) {
   const Workload w = readWorkload(file);
   if (mode == "emulate") {
     bool good = true;
-    for (const int teams : {2, 8})
-      good = report(("host emulation, " + std::to_string(teams) + " teams").c_str(), w,
-                    emulate(w, teams)) &&
+    if (hasPicture(w)) {
+      const auto width = static_cast<size_t>(w.recipe.work.width);
+      good = reportTable(
+          "host emulation", w,
+          emulateTable(w.recipe, {w.grey.data(), width,
+                                  w.ignore.empty() ? nullptr : w.ignore.data(), width}));
+    }
+    const std::vector<Quad> quads = emulateTable(w.table, w.pairs.data());
+    for (const int warps : {1, kParts})
+      good = report(("host emulation, " + std::to_string(warps) + " warps").c_str(), w,
+                    emulate(w, quads, warps)) &&
              good;
     return good ? kOk : kWrong;
   }
@@ -157,25 +265,32 @@ int run(const std::string& mode, const std::string& file) {
     time(w, &engine);
     return kOk;
   }
-  engine.setImage(w.camera, w.table, w.pairs.data(), w.pairs.size());
-  std::vector<Result> results(w.particles.size()), again(w.particles.size());
-  engine.score(w.rule, w.combination, w.particles.data(), w.particles.size(), results.data());
-  engine.score(w.rule, w.combination, w.particles.data(), w.particles.size(), again.data());
-  const bool same = std::memcmp(results.data(), again.data(), results.size() * sizeof(Result)) == 0;
-  if (!same) std::printf("two calls with the same input differ: WRONG\n");
-  return report(engine.deviceName().c_str(), w, results) && same ? kOk : kWrong;
+  if (mode == "soak") return soak(w, &engine);
+  bool good = true;
+  setImage(w, &engine);
+  good = reportTable(engine.deviceName().c_str(), w, engine.table(0));
+  const std::vector<Result> results = scoreAll(w, &engine);
+  good = report(engine.deviceName().c_str(), w, results) && good;
+  setImage(w, &engine);
+  const std::vector<Result> again = scoreAll(w, &engine);
+  if (std::memcmp(results.data(), again.data(), results.size() * sizeof(Result)) != 0) {
+    std::printf("two calls with the same input differ: WRONG\n");
+    good = false;
+  }
+  return good ? kOk : kWrong;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string mode = argc == 3 ? argv[1] : "";
-  if (mode != "parity" && mode != "emulate" && mode != "time") {
+  if (mode != "parity" && mode != "emulate" && mode != "time" && mode != "soak") {
     std::fprintf(stderr,
-                 "usage: edge_mcl_gpu_check parity|emulate|time WORKLOAD\n"
+                 "usage: edge_mcl_gpu_check parity|emulate|time|soak WORKLOAD\n"
                  "  parity   device against the CPU backend's results in the file\n"
                  "  emulate  the same kernel body on the host\n"
                  "  time     milliseconds for 100 to 1,000,000 particles\n"
+                 "  soak     memory during 100,000 images\n"
                  "`edge-mcl bench SEQUENCE --dump-workload WORKLOAD` writes the file.\n");
     return kUsage;
   }

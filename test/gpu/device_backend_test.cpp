@@ -5,6 +5,7 @@
 #include <atomic>
 #include <thread>
 
+#include "edge_mcl/core/error.h"
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/gpu/emulated_engine.h"
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
@@ -18,22 +19,21 @@ const Pose kView = test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15});
 /// Works until call number `fails_at` of what is counted, then throws as a lost device does.
 class FailingEngine : public gpu::EmulatedEngine {
  public:
-  enum class Call { kScore, kSetImage, kAddCell };
+  enum class Call { kScore, kSetPicture, kAddCell };
   FailingEngine(Call call, int fails_at) : call_(call), left_(fails_at) {}
-  uint32_t addCell(gpu::Cell cell, const gpu::Segment* segments, size_t segment_count,
-                   const uint32_t* group_ends, size_t group_count) override {
+  uint32_t addCell(gpu::Cell cell, const gpu::Chunk* chunks, const gpu::Sample* samples) override {
     count(Call::kAddCell);
-    return EmulatedEngine::addCell(cell, segments, segment_count, group_ends, group_count);
+    return EmulatedEngine::addCell(cell, chunks, samples);
   }
-  void setImage(const gpu::Camera& camera, const gpu::Table& table, const uint16_t* pairs,
-                size_t n) override {
-    count(Call::kSetImage);
-    EmulatedEngine::setImage(camera, table, pairs, n);
+  void setPicture(int image, const gpu::Camera& camera, const gpu::Table& table,
+                  const gpu::TableRecipe& recipe, const gpu::PictureData& picture) override {
+    count(Call::kSetPicture);
+    EmulatedEngine::setPicture(image, camera, table, recipe, picture);
   }
-  void score(const gpu::Rule& rule, const gpu::Combination& combination,
-             const gpu::Particle* particles, size_t n, gpu::Result* results) override {
+  void submit(int image, const gpu::Rule& rule, const gpu::Combination& combination, size_t first,
+              size_t n) override {
     count(Call::kScore);
-    EmulatedEngine::score(rule, combination, particles, n, results);
+    EmulatedEngine::submit(image, rule, combination, first, n);
   }
 
  private:
@@ -86,12 +86,15 @@ TEST_F(DeviceBackendTest, AgreesWithTheCpuOverSeveralImagesAndAtEveryThinning) {
 /// frames have exactly the CPU's bits.
 TEST_F(DeviceBackendTest, WhatADeviceFailsToDoIsDoneOnTheCpu) {
   using Call = FailingEngine::Call;
-  for (const auto& [call, at] :
-       {std::pair{Call::kScore, 3}, {Call::kSetImage, 2}, {Call::kAddCell, 5}, {Call::kScore, 1}}) {
+  for (const auto& [call, at] : {std::pair{Call::kScore, 3},
+                                 {Call::kSetPicture, 2},
+                                 {Call::kAddCell, 5},
+                                 {Call::kScore, 1}}) {
     std::vector<std::string> warnings;
-    const DeviceBackend device("test", std::make_unique<FailingEngine>(call, at),
-                               map_.sharedVisibility(),
-                               [&](const std::string& line) { warnings.push_back(line); });
+    map_.setBackend(std::make_unique<DeviceBackend>(
+        "test", std::make_unique<FailingEngine>(call, at), map_.sharedVisibility(),
+        [&](const std::string& line) { warnings.push_back(line); }));
+    const LikelihoodBackend& device = map_.backend();
     const CpuBackend cpu(map_.sharedVisibility());
     for (uint64_t frame = 1; frame <= 5; ++frame) {
       const auto image = prepare();
@@ -107,6 +110,56 @@ TEST_F(DeviceBackendTest, WhatADeviceFailsToDoIsDoneOnTheCpu) {
     EXPECT_EQ(warnings[0], "device lost; continuing on the CPU");
     EXPECT_EQ(device.name(), cpu.name());
   }
+}
+
+/// With a device no table is made on the host; a mask is heeded; more images than the device keeps
+/// can be gone back to.
+TEST_F(DeviceBackendTest, MakesTheTablesItself) {
+  const CpuBackend cpu(map_.sharedVisibility());
+  map_.setBackend(std::make_unique<DeviceBackend>("test", std::make_unique<gpu::EmulatedEngine>(),
+                                                  map_.sharedVisibility(),
+                                                  [](const std::string& line) { FAIL() << line; }));
+  std::vector<std::shared_ptr<const PreparedImage>> images;
+  for (int i = 0; i < gpu::ScoringEngine::kImages + 2; ++i) {
+    cv::Mat mask(240, 320, CV_8U, cv::Scalar(0));
+    mask(cv::Rect(40 * i, 30, 50, 80)) = 255;
+    images.push_back(map_.prepare(camera_, picture_, i % 2 ? mask : cv::Mat(), "room"));
+    EXPECT_EQ(images.back()->frame.table, nullptr);
+  }
+  const std::vector<Pose> poses = cloud(40, 7);
+  for (int round = 0; round < 2; ++round)
+    for (const auto& image : images) {
+      const auto a = map_.backend().evaluate(image->frame, poses);
+      const auto b = cpu.evaluate(image->frame, poses);
+      for (size_t i = 0; i < poses.size(); ++i)
+        EXPECT_NEAR(a[i].log_likelihood, b[i].log_likelihood, 1e-3);
+    }
+}
+
+/// More particles than are sent at once, in cells that are first met in different batches.
+TEST_F(DeviceBackendTest, ManyParticlesInManyCells) {
+  const DeviceBackend device("test", std::make_unique<gpu::EmulatedEngine>(),
+                             map_.sharedVisibility(), {});
+  const CpuBackend cpu(map_.sharedVisibility());
+  LikelihoodFrame frame = prepare()->frame;
+  frame.thinning = 20;
+  std::vector<Pose> poses = cloud(140000, 9);
+  for (size_t i = 70000; i < poses.size(); ++i) poses[i].translation().x() -= 0.6;
+  const auto a = device.evaluate(frame, poses), b = cpu.evaluate(frame, poses);
+  double largest = 0;
+  for (size_t i = 0; i < poses.size(); ++i)
+    largest = std::max(largest, std::abs(a[i].log_likelihood - b[i].log_likelihood));
+  EXPECT_LE(largest, 1e-3);
+}
+
+TEST_F(DeviceBackendTest, APoseThatIsNotFiniteIsRefusedAndTheNextFrameIsScored) {
+  const DeviceBackend device("test", std::make_unique<gpu::EmulatedEngine>(),
+                             map_.sharedVisibility(), {});
+  std::vector<Pose> poses = cloud(20, 5);
+  poses[7].translation().y() = std::nan("");
+  const LikelihoodFrame frame = prepare()->frame;
+  EXPECT_THROW(device.evaluate(frame, poses), Error);
+  EXPECT_EQ(device.evaluate(frame, cloud(20, 5)).size(), 20u);
 }
 
 TEST_F(DeviceBackendTest, TheFilterKeepsTrackingWhenTheDeviceIsLost) {

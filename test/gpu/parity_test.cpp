@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <numeric>
@@ -10,6 +11,7 @@
 #include "edge_mcl/core/random_source.h"
 #include "edge_mcl/gpu/conversion.h"
 #include "edge_mcl/gpu/host_emulation.h"
+#include "edge_mcl/gpu/table_emulation.h"
 #include "edge_mcl/gpu/workload_export.h"
 #include "support/scenes.h"
 
@@ -104,6 +106,12 @@ class Parity : public testing::TestWithParam<Case> {
       EXPECT_LE(std::abs(truth[expected[k]] - truth[found[k]]), 2 * kTolerance) << "rank " << k;
   }
 
+  std::shared_ptr<const Picture> picture() const {
+    const Parameters& p = map_->params();
+    return std::make_shared<Picture>(image_->edges.grey, image_->edges.ignore, p.image,
+                                     std::make_shared<ScoreLevels>(p.image, p.likelihood));
+  }
+
   std::unique_ptr<LocalizationMap> map_;
   std::shared_ptr<const PreparedImage> image_;
   std::vector<Pose> poses_;
@@ -111,13 +119,20 @@ class Parity : public testing::TestWithParam<Case> {
 };
 
 TEST_P(Parity, TheKernelBodyOnTheHostAgreesWithTheCpuBackend) {
-  const gpu::Workload workload =
-      gpu::makeWorkload("test", map_->visibility(), image_->frame, poses_, reference_);
-  for (const int teams : {2, 8}) {
+  const gpu::Workload workload = gpu::makeWorkload("test", map_->visibility(), image_->frame,
+                                                   poses_, reference_, picture().get());
+  const std::vector<gpu::Quad> quads = gpu::emulateTable(workload.table, workload.pairs.data());
+  for (const int warps : {1, gpu::kParts}) {
     std::vector<double> values;
-    for (const gpu::Result& r : gpu::emulate(workload, teams)) values.push_back(r.log_likelihood);
+    for (const gpu::Result& r : gpu::emulate(workload, quads, warps))
+      values.push_back(r.log_likelihood);
     expectAgreement(values);
   }
+  // For a machine with a GPU and nothing else, see bench/README.md.
+  if (const char* directory = std::getenv("EDGE_MCL_WORKLOADS"))
+    gpu::writeWorkload(workload, std::string(directory) + "/parity" +
+                                     std::to_string(static_cast<int>(GetParam().scene)) +
+                                     std::to_string(static_cast<int>(GetParam().model)));
 }
 
 TEST_P(Parity, TheDeviceAgreesWithTheCpuBackend) {
@@ -127,11 +142,15 @@ TEST_P(Parity, TheDeviceAgreesWithTheCpuBackend) {
   std::string warning;
   const auto backend =
       makeCudaBackend(map_->sharedVisibility(), [&](const std::string& w) { warning = w; });
-  std::vector<double> values;
-  for (const PoseScore& s : backend->evaluate(image_->frame, poses_))
-    values.push_back(s.log_likelihood);
-  EXPECT_EQ(warning, "");
-  expectAgreement(values);
+  LikelihoodFrame of_picture = image_->frame;
+  of_picture.table = nullptr;
+  of_picture.picture = picture();
+  for (const LikelihoodFrame& frame : {image_->frame, of_picture}) {
+    std::vector<double> values;
+    for (const PoseScore& s : backend->evaluate(frame, poses_)) values.push_back(s.log_likelihood);
+    EXPECT_EQ(warning, "");
+    expectAgreement(values);
+  }
 #else
   GTEST_SKIP() << "SKIPPED: built without CUDA";
 #endif
@@ -182,16 +201,16 @@ TEST(SampleMath, ProjectsLikeTheCameraModel) {
 TEST(Workload, ADamagedFileIsRefused) {
   const std::string file = testing::TempDir() + "workload";
   gpu::Workload w;
-  w.table = {4, 3, 1, 0, 1, 0};
+  w.table = {3, 2, 1, 0, 1, 0};
   w.camera.last_x = 2;
   w.camera.last_y = 1;
   w.pairs.assign(13, 257);
-  w.along = {0};
-  w.segments.resize(1);
-  w.segments[0].seen = 1;
-  w.group_ends = {1};
+  w.chunks.resize(1);
+  w.chunks[0].count = 1;
+  w.samples.resize(gpu::kLanes);
   w.cells.resize(1);
-  w.cells[0].group_count = 1;
+  w.cells[0].chunk_count = 1;
+  for (uint32_t& end : w.cells[0].part_end) end = 1;
   w.particles.resize(1);
   w.reference = {0};
   gpu::writeWorkload(w, file);
@@ -200,7 +219,7 @@ TEST(Workload, ADamagedFileIsRefused) {
   const std::string bytes((std::istreambuf_iterator<char>(in)), {});
   std::ofstream(file, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
   EXPECT_THROW(gpu::readWorkload(file), std::runtime_error);
-  w.segments[0].seen = 3;  // a sample that the model doesn't have
+  w.chunks[0].count = 33;  // a sample that it doesn't have
   gpu::writeWorkload(w, file);
   EXPECT_THROW(gpu::readWorkload(file), std::runtime_error);
   EXPECT_THROW(gpu::readWorkload("/does/not/exist"), std::runtime_error);

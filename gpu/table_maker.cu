@@ -1,0 +1,371 @@
+#include "table_maker.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace edge_mcl::gpu {
+
+namespace {
+
+constexpr int kBlockX = 32, kBlockY = 4;
+
+#define EDGE_MCL_PIXEL_KERNEL(body)                                                       \
+  __global__ void __launch_bounds__(kBlockX* kBlockY) body##Kernel(const PictureWork w) { \
+    const int x = blockIdx.x * kBlockX + threadIdx.x;                                     \
+    const int y = blockIdx.y * kBlockY + threadIdx.y;                                     \
+    if (x < w.width && y < w.height) body(w, x, y);                                       \
+  }
+EDGE_MCL_PIXEL_KERNEL(smoothPixel)
+EDGE_MCL_PIXEL_KERNEL(gradientOfPixel)
+EDGE_MCL_PIXEL_KERNEL(thinPixel)
+EDGE_MCL_PIXEL_KERNEL(connectPixel)
+EDGE_MCL_PIXEL_KERNEL(markStrong)
+EDGE_MCL_PIXEL_KERNEL(matchPixel)
+EDGE_MCL_PIXEL_KERNEL(slipPixel)
+EDGE_MCL_PIXEL_KERNEL(quadUp)
+#undef EDGE_MCL_PIXEL_KERNEL
+
+__global__ void __launch_bounds__(kBlockX* kBlockY) levelOfCellKernel(const PictureWork w) {
+  const int column = blockIdx.x * kBlockX + threadIdx.x;
+  const int row = blockIdx.y * kBlockY + threadIdx.y;
+  if (column < w.cell_columns && row < w.cell_rows) levelOfCell(w, blockIdx.z, column, row);
+}
+
+__global__ void __launch_bounds__(kBlockX* kBlockY)
+    quadOfPairsKernel(const Table table, const uint16_t* __restrict__ pairs,
+                      Quad* __restrict__ quads) {
+  const int x = blockIdx.x * kBlockX + threadIdx.x;
+  const int y = blockIdx.y * kBlockY + threadIdx.y;
+  if (x < table.width && y < table.height) quadOfPairs(table, pairs, blockIdx.z, x, y, quads);
+}
+
+/// Bins whose normals are walked row by row: a thread has a word of a line, its neighbours the
+/// lines beside it.
+template <int kReach>
+__device__ void codeUpright(const PictureWork& w, int bin, int column, int first) {
+  const int no_edge = w.direction[bin].no_edge;
+  const DigitalLine line = lineThrough(w, bin, first, column);
+  uint32_t words[2 * kReach + 1];
+#pragma unroll
+  for (int k = -kReach; k <= kReach; ++k) {
+    uint32_t word = 0;
+#pragma unroll 16
+    for (int i = 0; i < kWord; ++i)
+      word |= static_cast<uint32_t>(isHit(w, line, first + k * kWord + i)) << i;
+    words[k + kReach] = word;
+  }
+#pragma unroll 8
+  for (int i = 0; i < kWord; ++i) {
+    const int32_t at = pixelOf(w, line, first + i);
+    if (at >= 0) codePixel(w, bin, at, nearestStep(words + kReach, kReach, i, no_edge));
+  }
+}
+
+/// Words that a warp works on one behind the other.
+constexpr int kTurnedWords = 4;
+
+/// The other bins: the lanes of a warp have the pixels of one line, which lie side by side in the
+/// image.
+template <int kReach>
+__device__ void codeTurned(const PictureWork& w, int bin, int column, int first, int lane,
+                           uint32_t* words) {
+  const DigitalLine line = lineThrough(w, bin, first, column);
+  const int last = min(first + kTurnedWords * kWord, line.rows) - 1;
+  const int from = line.start + line.shift[first], to = line.start + line.shift[last];
+  if (max(from, to) < 0 || min(from, to) >= line.columns) return;
+  for (int k = -kReach; k < kTurnedWords + kReach; ++k) {
+    const uint32_t word = __ballot_sync(0xffffffffu, isHit(w, line, first + k * kWord + lane));
+    if (lane == 0) words[k + kReach] = word;
+  }
+  __syncwarp();
+  const int no_edge = w.direction[bin].no_edge;
+  for (int k = 0; k < kTurnedWords; ++k) {
+    const int32_t at = pixelOf(w, line, first + k * kWord + lane);
+    if (at >= 0) codePixel(w, bin, at, nearestStep(words + kReach + k, kReach, lane, no_edge));
+  }
+}
+
+template <int kReach>
+__global__ void __launch_bounds__(kBlockX* kBlockY) codeKernel(const PictureWork w) {
+  __shared__ uint32_t words[kBlockY][kTurnedWords + 2 * kReach];
+  const int bin = blockIdx.z;
+  if (w.direction[bin].transposed) {
+    const int column = blockIdx.x * kBlockY + threadIdx.y - kTurnedWords * kWord;
+    const int first = blockIdx.y * kTurnedWords * kWord;
+    if (first < w.width && column < w.height + kTurnedWords * kWord)
+      codeTurned<kReach>(w, bin, column, first, threadIdx.x, words[threadIdx.y]);
+  } else {
+    const int column = blockIdx.x * kBlockX + threadIdx.x - kWord;
+    const int first = (blockIdx.y * kBlockY + threadIdx.y) * kWord;
+    if (first < w.height && column < w.width + kWord) codeUpright<kReach>(w, bin, column, first);
+  }
+}
+
+// The order statistics of the squared magnitudes: by histograms of ever finer digits. The first
+// digit is logarithmic, because most magnitudes are small.
+
+constexpr int kWarpLanes = 32, kSelectThreads = 1024, kHistogram = 2048, kDigitBits = 11;
+
+/// Number of bits below the first digit of a value with so many bits; the digit holds six bits
+/// after the leading one.
+__device__ int lowBits(uint32_t value) {
+  const int bits = 32 - __clz(value);
+  return bits > 7 ? bits - 7 : 0;
+}
+
+__device__ uint32_t firstDigit(uint32_t value) {
+  const int low = lowBits(value);
+  return (static_cast<uint32_t>(low) << 6) + (value >> low);
+}
+
+/// What is known of an order statistic: its leading bits, down to bit `low`.
+struct Selection {
+  uint32_t prefix, rank;  // rank among the values with this prefix
+  int low;
+};
+
+/// For the lanes of one warp: the digit that holds the rank, which becomes that within the digit.
+__device__ uint32_t findDigit(const uint32_t* histogram, uint32_t* rank) {
+  constexpr int kShare = kHistogram / kWarpLanes;
+  const int lane = threadIdx.x % kWarpLanes;
+  uint32_t own = 0;
+  for (int i = 0; i < kShare; ++i) own += histogram[lane * kShare + i];
+  uint32_t up_to = own;
+  for (int step = 1; step < kWarpLanes; step *= 2) {
+    const uint32_t before = __shfl_up_sync(0xffffffffu, up_to, step);
+    if (lane >= step) up_to += before;
+  }
+  const unsigned beyond = __ballot_sync(0xffffffffu, up_to > *rank);
+  const int holder = __ffs(beyond) - 1;
+  uint32_t digit = 0, rest = 0;
+  if (lane == holder) {
+    rest = *rank - (up_to - own);
+    digit = lane * kShare;
+    while (rest >= histogram[digit]) rest -= histogram[digit++];
+  }
+  *rank = __shfl_sync(0xffffffffu, rest, holder);
+  return __shfl_sync(0xffffffffu, digit, holder);
+}
+
+/// Values that a thread keeps in registers: enough for 640 x 480 pixels.
+constexpr int kKept = 34;
+
+/// Counts a digit; in flat images all lanes have the same one.
+__device__ void countDigit(uint32_t* histogram, uint32_t digit, bool valid) {
+  const unsigned lanes = __ballot_sync(0xffffffffu, valid);
+  if (lanes == 0) return;
+  const int leader = __ffs(static_cast<int>(lanes)) - 1;
+  const uint32_t first = __shfl_sync(0xffffffffu, digit, leader);
+  if (__all_sync(0xffffffffu, !valid || digit == first)) {
+    if (static_cast<int>(threadIdx.x % kWarpLanes) == leader)
+      atomicAdd(&histogram[first], static_cast<uint32_t>(__popc(lanes)));
+  } else if (valid) {
+    atomicAdd(&histogram[digit], 1u);
+  }
+}
+
+/// Calls `use` for every sample, the same number of times on all threads.
+template <class F>
+__device__ void forSamples(const uint32_t (&kept)[kKept], const uint32_t* sampled, uint32_t samples,
+                           F&& use) {
+#pragma unroll
+  for (int k = 0; k < kKept; ++k) use(kept[k]);
+  for (uint32_t base = kKept * kSelectThreads; base < samples; base += kSelectThreads) {
+    const uint32_t i = base + threadIdx.x;
+    use(i < samples ? sampled[i] : kIgnoredSample);
+  }
+}
+
+__device__ void clearHistograms(uint32_t (*histogram)[kHistogram]) {
+  for (int i = threadIdx.x; i < 2 * kHistogram; i += kSelectThreads)
+    histogram[i / kHistogram][i % kHistogram] = 0;
+}
+
+__global__ void __launch_bounds__(kSelectThreads)
+    selectThresholdsKernel(const PictureWork w, uint32_t samples) {
+  __shared__ uint32_t histogram[2][kHistogram];
+  __shared__ Selection selection[2];
+  __shared__ uint32_t count;
+  const int warp = threadIdx.x / kWarpLanes, lane = threadIdx.x % kWarpLanes;
+  uint32_t kept[kKept];
+#pragma unroll
+  for (int k = 0; k < kKept; ++k) {
+    const uint32_t i = k * kSelectThreads + threadIdx.x;
+    kept[k] = i < samples ? w.sampled[i] : kIgnoredSample;
+  }
+  clearHistograms(histogram);
+  if (threadIdx.x == 0) count = 0;
+  __syncthreads();
+  uint32_t own = 0;
+  forSamples(kept, w.sampled, samples, [&](uint32_t value) {
+    const bool valid = value != kIgnoredSample;
+    own += valid;
+    countDigit(histogram[0], valid ? firstDigit(value) : 0, valid);
+  });
+  if (own > 0) atomicAdd(&count, own);
+  __syncthreads();
+  if (count == 0) {
+    if (threadIdx.x == 0) setThresholds(w, 0, 0, 0);
+    return;
+  }
+  const QuantileRanks ranks = quantileRanks(w, count);
+  if (warp < 2) {
+    uint32_t rank = warp == 0 ? ranks.noise : ranks.edges;
+    const uint32_t digit = findDigit(histogram[0], &rank);
+    // Digits below 128 are values; beyond, 64 digits for each number of low bits.
+    const int low = digit < 128 ? 0 : static_cast<int>(digit / 64) - 1;
+    if (lane == 0) selection[warp] = {digit < 128 ? digit : digit - 64u * low, rank, low};
+  }
+  __syncthreads();
+  while (selection[0].low > 0 || selection[1].low > 0) {
+    const Selection known[2] = {selection[0], selection[1]};
+    clearHistograms(histogram);
+    __syncthreads();
+    forSamples(kept, w.sampled, samples, [&](uint32_t value) {
+      for (int q = 0; q < 2; ++q) {
+        if (value == kIgnoredSample || known[q].low == 0 ||
+            value >> known[q].low != known[q].prefix)
+          continue;
+        const int next = max(0, known[q].low - kDigitBits);
+        atomicAdd(&histogram[q][(value >> next) - (known[q].prefix << (known[q].low - next))], 1u);
+      }
+    });
+    __syncthreads();
+    if (warp < 2 && known[warp].low > 0) {
+      uint32_t rank = known[warp].rank;
+      const uint32_t digit = findDigit(histogram[warp], &rank);
+      const int next = max(0, known[warp].low - kDigitBits);
+      if (lane == 0)
+        selection[warp] = {(known[warp].prefix << (known[warp].low - next)) + digit, rank, next};
+    }
+    __syncthreads();
+  }
+  if (threadIdx.x == 0) setThresholds(w, count, selection[0].prefix, selection[1].prefix);
+}
+
+dim3 blocksFor(int columns, int rows, int layers = 1) {
+  return dim3((columns + kBlockX - 1) / kBlockX, (rows + kBlockY - 1) / kBlockY, layers);
+}
+
+template <class T>
+void upload(const std::vector<T>& from, DeviceArray<T>* to) {
+  to->resize(0);
+  to->append(from.data(), from.size());
+}
+
+void copyRows(const uint8_t* from, size_t stride, const PictureWork& w, uint8_t* to) {
+  const auto width = static_cast<size_t>(w.width);
+  if (stride == width) {
+    std::memcpy(to, from, pixelsOf(w));
+    return;
+  }
+  for (int y = 0; y < w.height; ++y) std::memcpy(to + y * width, from + y * stride, width);
+}
+
+}  // namespace
+
+void TableMaker::prepare(const TableRecipe& recipe) {
+  recipe_ = nullptr;
+  work_ = recipe.work;
+  upload(recipe.directions, &directions_);
+  upload(recipe.shifts, &shifts_);
+  upload(recipe.level_codes, &level_codes_);
+  upload(recipe.level_borders, &level_borders_);
+  const size_t pixels = pixelsOf(work_), cells = cellsOf(work_);
+  const auto bins = static_cast<size_t>(work_.bins);
+  staging_.reserve(2 * pixels);
+  picture_.resize(2 * pixels);
+  gradients_.resize(3 * pixels);
+  sampled_.resize(sampledOf(work_));
+  threshold_.resize(2);
+  parent_.resize(pixels);
+  strong_.resize(pixels);
+  matches_.resize(2 * pixels);
+  count_.resize(bins * cells);
+  usable_.resize(cells);
+  level_.resize(bins * cells);
+  codes_.resize(bins * pixels);
+  PictureWork& w = work_;
+  w.direction = directions_.data();
+  w.shift = shifts_.data();
+  w.level_codes = level_codes_.data();
+  w.level_borders = level_borders_.data();
+  w.grey = picture_.data();
+  w.smooth = gradients_.data();
+  w.gradient_x = gradients_.data() + pixels;
+  w.gradient_y = gradients_.data() + 2 * pixels;
+  w.sampled = sampled_.data();
+  w.threshold = threshold_.data();
+  w.parent = parent_.data();
+  w.strong = strong_.data();
+  w.match = matches_.data();
+  w.hit = matches_.data() + pixels;
+  w.count = count_.data();
+  w.usable = usable_.data();
+  w.level = level_.data();
+  w.codes = codes_.data();
+  reach_ = 0;
+  for (const DirectionBin& d : recipe.directions) reach_ = std::max(reach_, reachOf(d.no_edge));
+  recipe_ = &recipe;
+}
+
+void TableMaker::make(const TableRecipe& recipe, const PictureData& picture,
+                      DeviceArray<Quad>* quads, cudaStream_t stream) {
+  check(cudaEventSynchronize(copied_), "cudaEventSynchronize");
+  if (recipe_ != &recipe) {
+    check(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
+    prepare(recipe);
+  }
+  PictureWork w = work_;
+  const size_t pixels = pixelsOf(w);
+  quads->resize(quadsOf(w));
+  w.quads = quads->data();
+  w.ignore = picture.ignore ? picture_.data() + pixels : nullptr;
+  copyRows(picture.grey, picture.stride, w, staging_.data());
+  if (picture.ignore) copyRows(picture.ignore, picture.ignore_stride, w, staging_.data() + pixels);
+  check(cudaMemcpyAsync(picture_.data(), staging_.data(), (picture.ignore ? 2 : 1) * pixels,
+                        cudaMemcpyHostToDevice, stream),
+        "cudaMemcpyAsync of the picture");
+  check(cudaEventRecord(copied_, stream), "cudaEventRecord");
+
+  const dim3 block(kBlockX, kBlockY), per_pixel = blocksFor(w.width, w.height);
+  smoothPixelKernel<<<per_pixel, block, 0, stream>>>(w);
+  gradientOfPixelKernel<<<per_pixel, block, 0, stream>>>(w);
+  selectThresholdsKernel<<<1, kSelectThreads, 0, stream>>>(w, static_cast<uint32_t>(sampledOf(w)));
+  thinPixelKernel<<<per_pixel, block, 0, stream>>>(w);
+  connectPixelKernel<<<per_pixel, block, 0, stream>>>(w);
+  markStrongKernel<<<per_pixel, block, 0, stream>>>(w);
+  matchPixelKernel<<<per_pixel, block, 0, stream>>>(w);
+  slipPixelKernel<<<per_pixel, block, 0, stream>>>(w);
+  levelOfCellKernel<<<blocksFor(w.cell_columns, w.cell_rows, w.bins), block, 0, stream>>>(w);
+  // Blocks for whatever takes more of them, walked by rows or by columns.
+  const int margin = kTurnedWords * kWord;
+  const dim3 code_grid(std::max((w.width + 2 * kWord + kBlockX - 1) / kBlockX,
+                                (w.height + 2 * margin + kBlockY - 1) / kBlockY),
+                       std::max((w.height + kWord * kBlockY - 1) / (kWord * kBlockY),
+                                (w.width + margin - 1) / margin),
+                       w.bins);
+  if (reach_ <= 1)
+    codeKernel<1><<<code_grid, block, 0, stream>>>(w);
+  else
+    codeKernel<8><<<code_grid, block, 0, stream>>>(w);
+  quadUpKernel<<<per_pixel, block, 0, stream>>>(w);
+  check(cudaGetLastError(), "kernels of the table");
+}
+
+void TableMaker::convert(const Table& table, const uint16_t* pairs, DeviceArray<Quad>* quads,
+                         cudaStream_t stream) {
+  quads->resize(quadsOf(table));
+  quadOfPairsKernel<<<blocksFor(table.width, table.height, table.bins), dim3(kBlockX, kBlockY), 0,
+                      stream>>>(table, pairs, quads->data());
+  check(cudaGetLastError(), "kernel of the table");
+}
+
+size_t TableMaker::bytes() const {
+  return directions_.bytes() + shifts_.bytes() + threshold_.bytes() + parent_.bytes() +
+         level_codes_.bytes() + picture_.bytes() + strong_.bytes() + level_.bytes() +
+         codes_.bytes() + level_borders_.bytes() + count_.bytes() + usable_.bytes() +
+         gradients_.bytes() + sampled_.bytes() + matches_.bytes();
+}
+
+}  // namespace edge_mcl::gpu
