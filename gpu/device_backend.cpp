@@ -16,9 +16,11 @@ namespace {
 /// Memory of the cells on the device before all are dropped and uploaded anew as they are needed.
 constexpr size_t kMostCellBytes = size_t{1} << 30;
 /// Particles that are sent together: while the device scores some the host prepares the next.
-constexpr size_t kBatch = 131072;
+size_t batchFor(size_t particles) {
+  return std::clamp(particles / 4, size_t{16384}, size_t{131072});
+}
 /// Particles that a thread prepares at once.
-constexpr size_t kGrain = 1024;
+constexpr size_t kGrain = 512;
 
 }  // namespace
 
@@ -154,8 +156,9 @@ std::vector<PoseScore> DeviceBackend::evaluateOnDevice(const LikelihoodFrame& fr
   const gpu::Rule rule = gpu::ruleOf(frame);
   const gpu::Combination combination = gpu::combinationOf(frame.params);
   gpu::Particle* particles = engine_->particles(poses.size());
-  for (size_t first = 0; first < poses.size(); first += kBatch) {
-    const size_t last = std::min(poses.size(), first + kBatch);
+  const size_t batch = batchFor(poses.size());
+  for (size_t first = 0; first < poses.size(); first += batch) {
+    const size_t last = std::min(poses.size(), first + batch);
     fill(poses, frame.thinning, first, last, particles);
     engine_->submit(image, rule, combination, first, last - first);
   }

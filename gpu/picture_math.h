@@ -72,13 +72,24 @@ EDGE_MCL_DEVICE_FUNCTION void smoothPixel(const PictureWork& w, int x, int y) {
     w.usable[at] = (right < kClutterCell ? right : kClutterCell) *
                    (below < kClutterCell ? below : kClutterCell);
   }
-  int32_t sum = 0;  // at most 64 * 64 * 255
-  for (int dy = -w.blur_radius; dy <= w.blur_radius; ++dy) {
-    const uint8_t* row = w.grey + clampTo(y + dy, w.height) * w.width;
-    int32_t of_row = 0;
-    for (int dx = -w.blur_radius; dx <= w.blur_radius; ++dx)
-      of_row += w.blur[dx < 0 ? -dx : dx] * row[clampTo(x + dx, w.width)];
-    sum += w.blur[dy < 0 ? -dy : dy] * of_row;
+  int32_t sum = 0;           // at most 64 * 64 * 255
+  if (w.blur_radius == 2) {  // the default, unrolled
+    const int32_t b0 = w.blur[0], b1 = w.blur[1], b2 = w.blur[2];
+    const int x0 = clampTo(x - 2, w.width), x1 = clampTo(x - 1, w.width);
+    const int x3 = clampTo(x + 1, w.width), x4 = clampTo(x + 2, w.width);
+    const auto row = [&](int dy) {
+      const uint8_t* p = w.grey + clampTo(y + dy, w.height) * w.width;
+      return b0 * p[x] + b1 * (p[x1] + p[x3]) + b2 * (p[x0] + p[x4]);
+    };
+    sum = b0 * row(0) + b1 * (row(-1) + row(1)) + b2 * (row(-2) + row(2));
+  } else {
+    for (int dy = -w.blur_radius; dy <= w.blur_radius; ++dy) {
+      const uint8_t* row = w.grey + clampTo(y + dy, w.height) * w.width;
+      int32_t of_row = 0;
+      for (int dx = -w.blur_radius; dx <= w.blur_radius; ++dx)
+        of_row += w.blur[dx < 0 ? -dx : dx] * row[clampTo(x + dx, w.width)];
+      sum += w.blur[dy < 0 ? -dy : dy] * of_row;
+    }
   }
   const int32_t exact = sum * w.gradient_scale;  // in 1/4096
   const int32_t whole = exact >> 12, rest = exact & 4095;
@@ -150,12 +161,9 @@ EDGE_MCL_DEVICE_FUNCTION bool isRidge(const PictureWork& w, int x, int y, int32_
   return square > squareAt(w, x - side, y - 1) && square > squareAt(w, x + side, y + 1);
 }
 
-EDGE_MCL_DEVICE_FUNCTION void thinPixel(const PictureWork& w, int x, int y) {
-  const int64_t at = static_cast<int64_t>(y) * w.width + x;
+EDGE_MCL_DEVICE_FUNCTION bool isCandidate(const PictureWork& w, int x, int y) {
   const int32_t square = squareAt(w, x, y);
-  const bool candidate = square > w.threshold[0] && isRidge(w, x, y, square);
-  w.parent[at] = candidate ? static_cast<int32_t>(at) : -1;
-  w.strong[at] = 0;
+  return square > w.threshold[0] && isRidge(w, x, y, square);
 }
 
 EDGE_MCL_DEVICE_FUNCTION int32_t lowerTo(int32_t* at, int32_t value) {
@@ -222,16 +230,15 @@ EDGE_MCL_DEVICE_FUNCTION void unite(int32_t* parent, int32_t a, int32_t b) {
   }
 }
 
-/// Connects a candidate to its neighbours before it.
-EDGE_MCL_DEVICE_FUNCTION void connectPixel(const PictureWork& w, int x, int y) {
-  const int32_t at = y * w.width + x;
-  if (w.parent[at] < 0) return;
-  if (x > 0 && w.parent[at - 1] >= 0) unite(w.parent, at, at - 1);
-  if (y == 0) return;
-  for (int nx = x > 0 ? x - 1 : 0; nx <= x + 1 && nx < w.width; ++nx) {
-    const int32_t neighbour = at - w.width + nx - x;
-    if (w.parent[neighbour] >= 0) unite(w.parent, at, neighbour);
-  }
+/// Connects a candidate to those of its neighbours before it that lie in rows from y0 and columns
+/// from x0 to x1. @param at the pixel's number in `parent`, where rows have `stride` elements.
+EDGE_MCL_DEVICE_FUNCTION void connectPixel(int32_t* parent, int32_t at, int32_t stride, int x,
+                                           int y, int x0, int x1, int y0) {
+  if (parent[at] < 0) return;
+  if (x > x0 && parent[at - 1] >= 0) unite(parent, at, at - 1);
+  if (y <= y0) return;
+  for (int dx = x > x0 ? -1 : 0; dx <= 1 && x + dx <= x1; ++dx)
+    if (parent[at - stride + dx] >= 0) unite(parent, at, at - stride + dx);
 }
 
 /// A strong pixel makes edges of all that it is connected to.
@@ -297,8 +304,12 @@ EDGE_MCL_DEVICE_FUNCTION void levelOfCell(const PictureWork& w, int bin, int col
   const int c1 = column + half < w.cell_columns ? column + half + 1 : w.cell_columns;
   const int r1 = row + half < w.cell_rows ? row + half + 1 : w.cell_rows;
   int32_t edges = 0, pixels = 0;
-  for (int r = r0; r < r1; ++r)
+  for (int r = r0; r < r1; ++r) {
+#if defined(__CUDA_ARCH__)
+#pragma unroll 4
+#endif
     for (int c = c0; c < c1; ++c) edges += count[r * w.cell_columns + c];
+  }
   if (w.ignore) {
     for (int r = r0; r < r1; ++r)
       for (int c = c0; c < c1; ++c) pixels += w.usable[r * w.cell_columns + c];
@@ -332,17 +343,22 @@ EDGE_MCL_DEVICE_FUNCTION DigitalLine lineThrough(const PictureWork& w, int bin, 
       shift};
 }
 
-/// Number of the line's pixel in the image; -1 outside.
-EDGE_MCL_DEVICE_FUNCTION int32_t pixelOf(const PictureWork& w, const DigitalLine& line, int row) {
-  if (row < 0 || row >= line.rows) return -1;
+/// A pixel of a line.
+struct LinePixel {
+  int32_t x, y;
+  bool inside;  ///< the image
+};
+
+EDGE_MCL_DEVICE_FUNCTION LinePixel pixelOf(const DigitalLine& line, int row) {
+  if (row < 0 || row >= line.rows) return {0, 0, false};
   const int column = line.start + line.shift[row];
-  if (column < 0 || column >= line.columns) return -1;
-  return line.turned ? column * w.width + row : row * w.width + column;
+  const bool inside = column >= 0 && column < line.columns;
+  return line.turned ? LinePixel{row, column, inside} : LinePixel{column, row, inside};
 }
 
 EDGE_MCL_DEVICE_FUNCTION bool isHit(const PictureWork& w, const DigitalLine& line, int row) {
-  const int32_t at = pixelOf(w, line, row);
-  return at >= 0 && (w.hit[at] >> line.bin & 1u);
+  const LinePixel p = pixelOf(line, row);
+  return p.inside && (w.hit[p.y * w.width + p.x] >> line.bin & 1u);
 }
 
 /// Words before and behind that hold all edges in reach.
@@ -377,11 +393,13 @@ EDGE_MCL_DEVICE_FUNCTION int nearestStep(const uint32_t* word, int reach, int i,
 }
 
 /// Code of a pixel so many steps from an edge.
-EDGE_MCL_DEVICE_FUNCTION void codePixel(const PictureWork& w, int bin, int32_t at, int steps) {
-  const int x = at % w.width, y = at / w.width;
-  const int cell = y / kClutterCell * w.cell_columns + x / kClutterCell;
+EDGE_MCL_DEVICE_FUNCTION void codePixel(const PictureWork& w, int bin, const LinePixel& p,
+                                        int steps) {
+  const int cell = (p.y >> 3) * w.cell_columns + (p.x >> 3);
+  static_assert(kClutterCell == 8, "as shifts");
   const int level = w.level[bin * w.cell_columns * w.cell_rows + cell];
   const uint8_t code = w.level_codes[(bin * w.levels + level) * w.entries + steps];
+  const int32_t at = p.y * w.width + p.x;
   w.codes[static_cast<int64_t>(bin) * w.width * w.height + at] =
       w.ignore && w.ignore[at] ? uint8_t{0} : code;
 }

@@ -17,7 +17,7 @@ class DeviceError : public std::runtime_error {
 };
 
 /// Warps that share one particle: few particles get more of them, so that the device is full.
-inline int warpsFor(size_t particles) { return particles < 20000 ? kParts : 1; }
+inline int warpsFor(size_t particles) { return particles < 8192 ? kParts : 1; }
 
 /// Holds model, visibility cells and images' tables, and scores particles. Not for use from several
 /// threads at once. Every method may throw DeviceError.

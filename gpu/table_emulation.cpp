@@ -54,8 +54,8 @@ void codeBin(const PictureWork& w, int bin) {
           word |= static_cast<uint32_t>(isHit(w, line, first + k * kWord + i)) << i;
       }
       for (int i = 0; i < kWord; ++i)
-        if (const int32_t at = pixelOf(w, line, first + i); at >= 0)
-          codePixel(w, bin, at, nearestStep(&words[reach], reach, i, no_edge));
+        if (const LinePixel p = pixelOf(line, first + i); p.inside)
+          codePixel(w, bin, p, nearestStep(&words[reach], reach, i, no_edge));
     }
 }
 
@@ -102,8 +102,12 @@ std::vector<Quad> emulateTable(const TableRecipe& recipe, const PictureData& pic
   forPixels(w, smoothPixel);
   forPixels(w, gradientOfPixel);
   selectThresholds(w);
-  forPixels(w, thinPixel);
-  forPixels(w, connectPixel);
+  forPixels(w, [](const PictureWork& p, int x, int y) {
+    const int32_t at = y * p.width + x;
+    p.parent[at] = isCandidate(p, x, y) ? at : -1;
+    p.strong[at] = 0;
+    connectPixel(p.parent, at, p.width, x, y, 0, p.width - 1, 0);
+  });
   forPixels(w, markStrong);
   forPixels(w, matchPixel);
   forPixels(w, slipPixel);

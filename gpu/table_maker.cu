@@ -17,18 +17,33 @@ constexpr int kBlockX = 32, kBlockY = 4;
   }
 EDGE_MCL_PIXEL_KERNEL(smoothPixel)
 EDGE_MCL_PIXEL_KERNEL(gradientOfPixel)
-EDGE_MCL_PIXEL_KERNEL(thinPixel)
-EDGE_MCL_PIXEL_KERNEL(connectPixel)
 EDGE_MCL_PIXEL_KERNEL(markStrong)
 EDGE_MCL_PIXEL_KERNEL(matchPixel)
-EDGE_MCL_PIXEL_KERNEL(slipPixel)
 EDGE_MCL_PIXEL_KERNEL(quadUp)
 #undef EDGE_MCL_PIXEL_KERNEL
 
-__global__ void __launch_bounds__(kBlockX* kBlockY) levelOfCellKernel(const PictureWork w) {
-  const int column = blockIdx.x * kBlockX + threadIdx.x;
-  const int row = blockIdx.y * kBlockY + threadIdx.y;
-  if (column < w.cell_columns && row < w.cell_rows) levelOfCell(w, blockIdx.z, column, row);
+dim3 blocksFor(int columns, int rows, int layers = 1) {
+  return dim3((columns + kBlockX - 1) / kBlockX, (rows + kBlockY - 1) / kBlockY, layers);
+}
+
+/// Two things that do not depend on each other at once: the first blocks have the cells' levels,
+/// the others the pixels' slips. @param cells blocks in x and y of the cells of one bin.
+__global__ void __launch_bounds__(kBlockX* kBlockY)
+    levelAndSlipKernel(const PictureWork w, int cells_x, int cells_y, int pixels_x) {
+  int block = blockIdx.x;
+  const int of_bin = cells_x * cells_y;
+  if (block < of_bin * w.bins) {
+    const int bin = block / of_bin;
+    block -= bin * of_bin;
+    const int column = block % cells_x * kBlockX + threadIdx.x;
+    const int row = block / cells_x * kBlockY + threadIdx.y;
+    if (column < w.cell_columns && row < w.cell_rows) levelOfCell(w, bin, column, row);
+    return;
+  }
+  block -= of_bin * w.bins;
+  const int x = block % pixels_x * kBlockX + threadIdx.x;
+  const int y = block / pixels_x * kBlockY + threadIdx.y;
+  if (x < w.width && y < w.height) slipPixel(w, x, y);
 }
 
 __global__ void __launch_bounds__(kBlockX* kBlockY)
@@ -39,27 +54,86 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
   if (x < table.width && y < table.height) quadOfPairs(table, pairs, blockIdx.z, x, y, quads);
 }
 
-/// Bins whose normals are walked row by row: a thread has a word of a line, its neighbours the
-/// lines beside it.
+// Connected candidates: first within tiles, in shared memory, then across their borders. A tree's
+// root is the smallest number in it, however it was put together.
+
+constexpr int kTileX = 32, kTileY = 16;
+
+/// The smallest number among the candidates that a candidate is connected to within its tile.
+/// Labels spread from neighbour to neighbour and along labels, until none changes.
+__global__ void __launch_bounds__(kTileX* kTileY) connectTileKernel(const PictureWork w) {
+  __shared__ int32_t labels[2][kTileX * kTileY];
+  const int x0 = blockIdx.x * kTileX, y0 = blockIdx.y * kTileY;
+  const int tile_x = threadIdx.x, tile_y = threadIdx.y, own = tile_y * kTileX + tile_x;
+  const int x = x0 + tile_x, y = y0 + tile_y;
+  const bool inside = x < w.width && y < w.height;
+  // A row of the tile is a warp: runs along it have their label at once.
+  const bool candidate = inside && isCandidate(w, x, y);
+  const unsigned row = __ballot_sync(0xffffffffu, candidate);
+  const unsigned gaps = ~row & ((1u << tile_x) - 1);
+  int32_t label = candidate ? tile_y * kTileX + (gaps ? kTileX - __clz(gaps) : 0) : -1;
+  int from = 0;
+  labels[0][own] = label;
+  __syncthreads();
+  bool changed = true;
+  while (__syncthreads_or(changed)) {
+    int32_t next = label;
+    if (label >= 0) {
+      for (int ny = max(tile_y - 1, 0); ny <= min(tile_y + 1, kTileY - 1); ++ny)
+        for (int nx = max(tile_x - 1, 0); nx <= min(tile_x + 1, kTileX - 1); ++nx) {
+          const int32_t neighbour = labels[from][ny * kTileX + nx];
+          if (neighbour >= 0) next = min(next, neighbour);
+        }
+      next = labels[from][next];
+    }
+    changed = next != label;
+    label = next;
+    from = 1 - from;
+    labels[from][own] = label;
+  }
+  if (!inside) return;
+  const int32_t at = y * w.width + x;
+  w.parent[at] = label < 0 ? -1 : (y0 + label / kTileX) * w.width + x0 + label % kTileX;
+  w.strong[at] = 0;
+}
+
+__global__ void __launch_bounds__(kBlockX* kBlockY) connectBordersKernel(const PictureWork w) {
+  const int x = blockIdx.x * kBlockX + threadIdx.x;
+  const int y = blockIdx.y * kBlockY + threadIdx.y;
+  if (x >= w.width || y >= w.height) return;
+  const int in_x = x % kTileX;
+  if (y % kTileY != 0 && in_x != 0 && in_x != kTileX - 1) return;
+  connectPixel(w.parent, y * w.width + x, w.width, x, y, 0, w.width - 1, 0);
+}
+
+/// Words of a line that a block works on, one behind the other.
+constexpr int kUprightWords = 4;
+
+/// Bins whose normals are walked row by row: neighbouring lanes have neighbouring lines, and every
+/// warp of the block one word of each.
 template <int kReach>
-__device__ void codeUpright(const PictureWork& w, int bin, int column, int first) {
-  const int no_edge = w.direction[bin].no_edge;
+__device__ void codeUpright(const PictureWork& w, int bin, int column, int first, int lane,
+                            int warp, uint32_t (*words)[kBlockX]) {
   const DigitalLine line = lineThrough(w, bin, first, column);
-  uint32_t words[2 * kReach + 1];
-#pragma unroll
-  for (int k = -kReach; k <= kReach; ++k) {
+  for (int k = warp; k < kUprightWords + 2 * kReach; k += kBlockY) {
+    const int from = first + (k - kReach) * kWord;
     uint32_t word = 0;
 #pragma unroll 16
-    for (int i = 0; i < kWord; ++i)
-      word |= static_cast<uint32_t>(isHit(w, line, first + k * kWord + i)) << i;
-    words[k + kReach] = word;
+    for (int i = 0; i < kWord; ++i) word |= static_cast<uint32_t>(isHit(w, line, from + i)) << i;
+    words[k][lane] = word;
   }
+  __syncthreads();
+  const int no_edge = w.direction[bin].no_edge, from = first + warp * kWord;
+  uint32_t around[2 * kReach + 1];
+#pragma unroll
+  for (int k = 0; k <= 2 * kReach; ++k) around[k] = words[warp + k][lane];
 #pragma unroll 8
   for (int i = 0; i < kWord; ++i) {
-    const int32_t at = pixelOf(w, line, first + i);
-    if (at >= 0) codePixel(w, bin, at, nearestStep(words + kReach, kReach, i, no_edge));
+    const LinePixel p = pixelOf(line, from + i);
+    if (p.inside) codePixel(w, bin, p, nearestStep(around + kReach, kReach, i, no_edge));
   }
 }
+static_assert(kUprightWords == kBlockY, "a warp for every word");
 
 /// Words that a warp works on one behind the other.
 constexpr int kTurnedWords = 4;
@@ -80,14 +154,15 @@ __device__ void codeTurned(const PictureWork& w, int bin, int column, int first,
   __syncwarp();
   const int no_edge = w.direction[bin].no_edge;
   for (int k = 0; k < kTurnedWords; ++k) {
-    const int32_t at = pixelOf(w, line, first + k * kWord + lane);
-    if (at >= 0) codePixel(w, bin, at, nearestStep(words + kReach + k, kReach, lane, no_edge));
+    const LinePixel p = pixelOf(line, first + k * kWord + lane);
+    if (p.inside) codePixel(w, bin, p, nearestStep(words + kReach + k, kReach, lane, no_edge));
   }
 }
 
 template <int kReach>
 __global__ void __launch_bounds__(kBlockX* kBlockY) codeKernel(const PictureWork w) {
   __shared__ uint32_t words[kBlockY][kTurnedWords + 2 * kReach];
+  __shared__ uint32_t upright_words[kUprightWords + 2 * kReach][kBlockX];
   const int bin = blockIdx.z;
   if (w.direction[bin].transposed) {
     const int column = blockIdx.x * kBlockY + threadIdx.y - kTurnedWords * kWord;
@@ -95,9 +170,11 @@ __global__ void __launch_bounds__(kBlockX* kBlockY) codeKernel(const PictureWork
     if (first < w.width && column < w.height + kTurnedWords * kWord)
       codeTurned<kReach>(w, bin, column, first, threadIdx.x, words[threadIdx.y]);
   } else {
-    const int column = blockIdx.x * kBlockX + threadIdx.x - kWord;
-    const int first = (blockIdx.y * kBlockY + threadIdx.y) * kWord;
-    if (first < w.height && column < w.width + kWord) codeUpright<kReach>(w, bin, column, first);
+    const int margin = kUprightWords * kWord;
+    const int column = blockIdx.x * kBlockX - margin, first = blockIdx.y * margin;
+    if (first < w.height && column < w.width + margin)
+      codeUpright<kReach>(w, bin, column + threadIdx.x, first, threadIdx.x, threadIdx.y,
+                          upright_words);
   }
 }
 
@@ -124,33 +201,47 @@ struct Selection {
   int low;
 };
 
+constexpr int kShare = kHistogram / kWarpLanes;  ///< digits that a lane adds up
+
+/// Where a digit is counted: one element is left out after every kShare, so that lanes that read
+/// their shares read from different banks.
+__device__ uint32_t placeOf(uint32_t digit) { return digit + digit / kShare; }
+constexpr int kPlaces = kHistogram + kWarpLanes;
+
+/// Sums over the lanes up to each one.
+__device__ uint32_t sumUpTo(uint32_t value, int lane) {
+  for (int step = 1; step < kWarpLanes; step *= 2) {
+    const uint32_t before = __shfl_up_sync(0xffffffffu, value, step);
+    if (lane >= step) value += before;
+  }
+  return value;
+}
+
 /// For the lanes of one warp: the digit that holds the rank, which becomes that within the digit.
 __device__ uint32_t findDigit(const uint32_t* histogram, uint32_t* rank) {
-  constexpr int kShare = kHistogram / kWarpLanes;
   const int lane = threadIdx.x % kWarpLanes;
   uint32_t own = 0;
-  for (int i = 0; i < kShare; ++i) own += histogram[lane * kShare + i];
-  uint32_t up_to = own;
-  for (int step = 1; step < kWarpLanes; step *= 2) {
-    const uint32_t before = __shfl_up_sync(0xffffffffu, up_to, step);
-    if (lane >= step) up_to += before;
-  }
-  const unsigned beyond = __ballot_sync(0xffffffffu, up_to > *rank);
-  const int holder = __ffs(beyond) - 1;
-  uint32_t digit = 0, rest = 0;
-  if (lane == holder) {
-    rest = *rank - (up_to - own);
-    digit = lane * kShare;
-    while (rest >= histogram[digit]) rest -= histogram[digit++];
-  }
-  *rank = __shfl_sync(0xffffffffu, rest, holder);
-  return __shfl_sync(0xffffffffu, digit, holder);
+#pragma unroll 16
+  for (int i = 0; i < kShare; ++i) own += histogram[lane * (kShare + 1) + i];
+  const uint32_t up_to = sumUpTo(own, lane);
+  const int holder = __ffs(__ballot_sync(0xffffffffu, up_to > *rank)) - 1;
+  const uint32_t rest = *rank - __shfl_sync(0xffffffffu, up_to - own, holder);
+  // The holder's share, two digits for each lane.
+  static_assert(kShare == 2 * kWarpLanes);
+  const uint32_t* two = histogram + holder * (kShare + 1) + 2 * lane;
+  const uint32_t low = two[0], both = low + two[1], before = sumUpTo(both, lane) - both;
+  const int finder = __ffs(__ballot_sync(0xffffffffu, before + both > rest)) - 1;
+  const bool second = rest >= before + low;
+  const uint32_t digit = holder * kShare + 2 * lane + second;
+  *rank = __shfl_sync(0xffffffffu, rest - before - (second ? low : 0), finder);
+  return __shfl_sync(0xffffffffu, digit, finder);
 }
 
 /// Values that a thread keeps in registers: enough for 640 x 480 pixels.
 constexpr int kKept = 34;
 
-/// Counts a digit; in flat images all lanes have the same one.
+/// Counts a digit; in flat images all lanes have the same one. (Joining equal lanes with
+/// __match_any_sync takes longer than what it saves.)
 __device__ void countDigit(uint32_t* histogram, uint32_t digit, bool valid) {
   const unsigned lanes = __ballot_sync(0xffffffffu, valid);
   if (lanes == 0) return;
@@ -158,9 +249,9 @@ __device__ void countDigit(uint32_t* histogram, uint32_t digit, bool valid) {
   const uint32_t first = __shfl_sync(0xffffffffu, digit, leader);
   if (__all_sync(0xffffffffu, !valid || digit == first)) {
     if (static_cast<int>(threadIdx.x % kWarpLanes) == leader)
-      atomicAdd(&histogram[first], static_cast<uint32_t>(__popc(lanes)));
+      atomicAdd(&histogram[placeOf(first)], static_cast<uint32_t>(__popc(lanes)));
   } else if (valid) {
-    atomicAdd(&histogram[digit], 1u);
+    atomicAdd(&histogram[placeOf(digit)], 1u);
   }
 }
 
@@ -176,14 +267,14 @@ __device__ void forSamples(const uint32_t (&kept)[kKept], const uint32_t* sample
   }
 }
 
-__device__ void clearHistograms(uint32_t (*histogram)[kHistogram]) {
-  for (int i = threadIdx.x; i < 2 * kHistogram; i += kSelectThreads)
-    histogram[i / kHistogram][i % kHistogram] = 0;
+__device__ void clearHistograms(uint32_t (*histogram)[kPlaces]) {
+  for (int i = threadIdx.x; i < 2 * kPlaces; i += kSelectThreads)
+    histogram[i / kPlaces][i % kPlaces] = 0;
 }
 
 __global__ void __launch_bounds__(kSelectThreads)
     selectThresholdsKernel(const PictureWork w, uint32_t samples) {
-  __shared__ uint32_t histogram[2][kHistogram];
+  __shared__ uint32_t histogram[2][kPlaces];
   __shared__ Selection selection[2];
   __shared__ uint32_t count;
   const int warp = threadIdx.x / kWarpLanes, lane = threadIdx.x % kWarpLanes;
@@ -227,7 +318,8 @@ __global__ void __launch_bounds__(kSelectThreads)
             value >> known[q].low != known[q].prefix)
           continue;
         const int next = max(0, known[q].low - kDigitBits);
-        atomicAdd(&histogram[q][(value >> next) - (known[q].prefix << (known[q].low - next))], 1u);
+        const uint32_t digit = (value >> next) - (known[q].prefix << (known[q].low - next));
+        atomicAdd(&histogram[q][placeOf(digit)], 1u);
       }
     });
     __syncthreads();
@@ -241,10 +333,6 @@ __global__ void __launch_bounds__(kSelectThreads)
     __syncthreads();
   }
   if (threadIdx.x == 0) setThresholds(w, count, selection[0].prefix, selection[1].prefix);
-}
-
-dim3 blocksFor(int columns, int rows, int layers = 1) {
-  return dim3((columns + kBlockX - 1) / kBlockX, (rows + kBlockY - 1) / kBlockY, layers);
 }
 
 template <class T>
@@ -332,19 +420,20 @@ void TableMaker::make(const TableRecipe& recipe, const PictureData& picture,
   smoothPixelKernel<<<per_pixel, block, 0, stream>>>(w);
   gradientOfPixelKernel<<<per_pixel, block, 0, stream>>>(w);
   selectThresholdsKernel<<<1, kSelectThreads, 0, stream>>>(w, static_cast<uint32_t>(sampledOf(w)));
-  thinPixelKernel<<<per_pixel, block, 0, stream>>>(w);
-  connectPixelKernel<<<per_pixel, block, 0, stream>>>(w);
+  connectTileKernel<<<dim3((w.width + kTileX - 1) / kTileX, (w.height + kTileY - 1) / kTileY),
+                      dim3(kTileX, kTileY), 0, stream>>>(w);
+  connectBordersKernel<<<per_pixel, block, 0, stream>>>(w);
   markStrongKernel<<<per_pixel, block, 0, stream>>>(w);
   matchPixelKernel<<<per_pixel, block, 0, stream>>>(w);
-  slipPixelKernel<<<per_pixel, block, 0, stream>>>(w);
-  levelOfCellKernel<<<blocksFor(w.cell_columns, w.cell_rows, w.bins), block, 0, stream>>>(w);
+  const dim3 per_cell = blocksFor(w.cell_columns, w.cell_rows);
+  levelAndSlipKernel<<<per_cell.x * per_cell.y * w.bins + per_pixel.x * per_pixel.y, block, 0,
+                       stream>>>(w, per_cell.x, per_cell.y, per_pixel.x);
   // Blocks for whatever takes more of them, walked by rows or by columns.
   const int margin = kTurnedWords * kWord;
-  const dim3 code_grid(std::max((w.width + 2 * kWord + kBlockX - 1) / kBlockX,
+  static_assert(kTurnedWords == kUprightWords);
+  const dim3 code_grid(std::max((w.width + 2 * margin + kBlockX - 1) / kBlockX,
                                 (w.height + 2 * margin + kBlockY - 1) / kBlockY),
-                       std::max((w.height + kWord * kBlockY - 1) / (kWord * kBlockY),
-                                (w.width + margin - 1) / margin),
-                       w.bins);
+                       (std::max(w.height, w.width) + margin - 1) / margin, w.bins);
   if (reach_ <= 1)
     codeKernel<1><<<code_grid, block, 0, stream>>>(w);
   else
