@@ -19,6 +19,7 @@ constexpr size_t kMostCellBytes = size_t{1} << 30;
 size_t batchFor(size_t particles) {
   return std::clamp(particles / 4, size_t{16384}, size_t{131072});
 }
+constexpr size_t kMostRecipes = 8;
 /// Particles that a thread prepares at once.
 constexpr size_t kGrain = 512;
 
@@ -57,15 +58,19 @@ void DeviceBackend::prefetch(const LikelihoodFrame& frame) const {
 
 const gpu::TableRecipe& DeviceBackend::recipeFor(const Picture& picture) const {
   const int width = picture.grey().cols, height = picture.grey().rows;
-  if (recipe_ && recipe_->levels == picture.levels() && recipe_->recipe.work.width == width &&
-      recipe_->recipe.work.height == height)
-    return recipe_->recipe;
-  auto fresh = std::make_unique<Recipe>(
-      Recipe{picture.levels(), picture.params(),
-             gpu::recipeOf(width, height, picture.params(), *picture.levels())});
-  retired_ = std::move(recipe_);
-  recipe_ = std::move(fresh);
-  return recipe_->recipe;
+  const auto known = std::find_if(recipes_.begin(), recipes_.end(), [&](const Recipe& r) {
+    return r.levels == picture.levels() && r.recipe.work.width == width &&
+           r.recipe.work.height == height;
+  });
+  if (known != recipes_.end()) {
+    recipes_.splice(recipes_.end(), recipes_, known);
+  } else {
+    recipes_.push_back(
+        {picture.levels(), gpu::recipeOf(width, height, picture.params(), *picture.levels())});
+    // The engine still has the one before the last.
+    if (recipes_.size() > kMostRecipes) recipes_.pop_front();
+  }
+  return recipes_.back().recipe;
 }
 
 /// Number of the frame's table on the device, where it is brought unless it is there.

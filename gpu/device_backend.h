@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -41,7 +42,6 @@ class DeviceBackend : public LikelihoodBackend {
   };
   struct Recipe {
     std::shared_ptr<const ScoreLevels> levels;
-    ImageParameters params;
     gpu::TableRecipe recipe;
   };
 
@@ -64,7 +64,7 @@ class DeviceBackend : public LikelihoodBackend {
   mutable size_t cell_bytes_ = 0;
   mutable std::array<Held, gpu::ScoringEngine::kImages> held_;
   mutable uint64_t calls_ = 0;
-  mutable std::unique_ptr<Recipe> recipe_, retired_;  ///< the engine may still have the latter
+  mutable std::list<Recipe> recipes_;  ///< for cameras of different sizes; the last used is last
 };
 
 }  // namespace edge_mcl

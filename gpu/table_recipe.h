@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "picture_math.h"
+#include "code_math.h"
 
 namespace edge_mcl::gpu {
 

@@ -136,6 +136,24 @@ TEST_F(DeviceBackendTest, MakesTheTablesItself) {
     }
 }
 
+TEST_F(DeviceBackendTest, CamerasOfDifferentSizesTakeTurns) {
+  const CpuBackend cpu(map_.sharedVisibility());
+  map_.setBackend(std::make_unique<DeviceBackend>("test", std::make_unique<gpu::EmulatedEngine>(),
+                                                  map_.sharedVisibility(),
+                                                  [](const std::string& line) { FAIL() << line; }));
+  const std::vector<Pose> poses = cloud(20, 8);
+  for (int round = 0; round < 2; ++round)
+    for (int width = 100; width < 200; width += 10) {
+      const CameraModel camera = test::pinhole(width, 90, 70);
+      const cv::Mat grey = test::render(test::furnishedRooms(), camera, kView, 1);
+      const auto image = map_.prepare(camera, grey, {}, "room");
+      const auto a = map_.backend().evaluate(image->frame, poses);
+      const auto b = cpu.evaluate(image->frame, poses);
+      for (size_t i = 0; i < poses.size(); ++i)
+        EXPECT_NEAR(a[i].log_likelihood, b[i].log_likelihood, 1e-3);
+    }
+}
+
 /// More particles than are sent at once, in cells that are first met in different batches.
 TEST_F(DeviceBackendTest, ManyParticlesInManyCells) {
   const DeviceBackend device("test", std::make_unique<gpu::EmulatedEngine>(),
