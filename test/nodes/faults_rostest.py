@@ -20,20 +20,20 @@ class Faults(FedLocalizer):
 
     def test_black_images_then_recovery(self):
         self.begin()
-        self.track(0, 10)
+        self.track(0, 20)  # until the particles are as close together as they get
         black = copy.deepcopy(self.recording.frames[0]['image'])
         black.data = bytes(len(black.data))
         states = []
-        for i in range(10, 40):  # two seconds
+        for i in range(20, 50):  # two seconds
             status = self.send(i, image=black)
             states.append(status.state_name)
             self.assertIn('hardly any edges', status.problem)
         self.assertEqual(states[0], 'degraded')
         self.assertEqual(states[-1], 'lost')
-        widened = self.statuses['plain'][self.stamp(39).to_nsec()]
-        before = self.statuses['plain'][self.stamp(9).to_nsec()]
+        widened = self.statuses['plain'][self.stamp(49).to_nsec()]
+        before = self.statuses['plain'][self.stamp(19).to_nsec()]
         self.assertGreater(widened.position_std, 1.5 * before.position_std)
-        self.track(40, 50)
+        self.track(50, 60)
 
     def test_clock_jumps_back(self):
         self.begin()
