@@ -274,6 +274,7 @@ struct TrackingParameters {
   int min_visible_samples = 60;
   int min_edge_pixels = 100;
   double max_masked_share = 0.8;
+  bool lift_mask = true;
   double min_match_ratio = 0.35;
   double min_evidence = 7;
   double min_depth_agreement = 0.4;
@@ -293,6 +294,9 @@ struct TrackingParameters {
       "an image with fewer edge pixels (dark, covered) is not used");
     v("max_masked_share", max_masked_share, "",
       "an image with a larger share of its pixels masked is not used");
+    v("lift_mask", lift_mask, "",
+      "while tracking, the mask is lifted along edges of the model that the image shows under it: "
+      "what the map holds is not foreign");
     v("min_match_ratio", min_match_ratio, "",
       "below this share of samples with an image edge in reach a pose is not trusted");
     v("min_evidence", min_evidence, "nats",

@@ -194,10 +194,29 @@ bool LiveLocalizer::hasMoved(const LiveInput& input) const {
          (p.update_min_a_deg > 0 && angle_deg >= p.update_min_a_deg);
 }
 
+cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::View& view) {
+  // A wrong pose would find reasons to lift a mask where there are none.
+  const bool fits = view.mask.type() == CV_8UC1 && view.mask.size() == view.image.size() &&
+                    view.image.cols == view.camera.width && view.image.rows == view.camera.height;
+  if (!tracking_.lift_mask || state_ != LocalizerState::kTracking || view.mask.empty() || !fits)
+    return view.mask;
+  return mask_lifter_.lift(number, *map_, view.camera, view.image, view.mask,
+                           filter_.estimate().mean * view.T_base_camera);
+}
+
+void LiveLocalizer::learnUnderMasks(const LiveInput& input) {
+  if (!tracking_.lift_mask) return;
+  if (state_ != LocalizerState::kTracking) return mask_lifter_.forget();
+  std::vector<Pose> T_base_camera;
+  for (const LiveInput::View& view : input.views) T_base_camera.push_back(view.T_base_camera);
+  mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
+}
+
 void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
-                                  std::vector<CameraView>* views, std::string* problem) const {
+                                  std::vector<CameraView>* views, std::string* problem) {
   const TrackingParameters& p = tracking_;
-  for (const LiveInput::View& view : input.views) {
+  for (size_t number = 0; number < input.views.size(); ++number) {
+    const LiveInput::View& view = input.views[number];
     if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
       const double share =
           static_cast<double>(cv::countNonZero(view.mask)) / static_cast<double>(view.mask.total());
@@ -209,7 +228,7 @@ void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
     }
     std::shared_ptr<const PreparedImage> image;
     try {
-      image = map_->prepare(view.camera, view.image, view.mask, view.origin);
+      image = map_->prepare(view.camera, view.image, maskOf(number, view), view.origin);
     } catch (const Error& e) {
       *problem = e.what();
       continue;
@@ -245,7 +264,7 @@ std::vector<CameraView> LiveLocalizer::prepareDepths(const LiveInput& input,
 }
 
 std::vector<CameraView> LiveLocalizer::prepare(const LiveInput& input, LiveResult* result,
-                                               std::string* problem) const {
+                                               std::string* problem) {
   std::vector<CameraView> views;
   if (map_->usesImages()) prepareImages(input, result, &views, problem);
   if (map_->usesDepth())
@@ -350,6 +369,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     if (result->updated && !confirmed && problem.empty())
       problem = "the image does not confirm the pose";
     judge(input.time, trusted, result->updated);
+    if (result->updated) learnUnderMasks(input);
     if (trusted) searching_ = false;
     if (state_ == LocalizerState::kLost) {
       // After a short darkness the first image that fits will do. Later odometry may have drifted

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/mrpt_plugins/mask_lifter.h"
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
 #include "edge_mcl/mrpt_plugins/pose_finder.h"
 #include "edge_mcl/mrpt_plugins/pose_proof.h"
@@ -95,8 +96,7 @@ class LiveLocalizer {
   bool advanceTo(const LiveInput& input, LiveResult* result);
   bool hasMoved(const LiveInput& input) const;
   void processImages(const LiveInput& input, LiveResult* result);
-  std::vector<CameraView> prepare(const LiveInput& input, LiveResult* result,
-                                  std::string* problem) const;
+  std::vector<CameraView> prepare(const LiveInput& input, LiveResult* result, std::string* problem);
   std::string useImages(std::vector<CameraView> views, LiveResult* result);
   void beginSearch(bool only_around);
   static bool showWhatIsNotInView(const std::vector<CameraView>& views);
@@ -105,8 +105,11 @@ class LiveLocalizer {
   void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
   bool agreesWith(const SearchReport& report) const;
   bool weigh(double time, const LiveResult& result);
+  /// The view's mask, lifted where the model is seen under it.
+  cv::Mat maskOf(size_t number, const LiveInput::View& view);
+  void learnUnderMasks(const LiveInput& input);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
-                     std::string* problem) const;
+                     std::string* problem);
   std::vector<CameraView> prepareDepths(const LiveInput& input, std::string* problem) const;
   bool isConfirmed(const LiveResult& result) const;
   void judge(double time, bool trusted, bool used);
@@ -115,6 +118,7 @@ class LiveLocalizer {
   TrackingParameters tracking_;
   PoseFilter filter_;
   PoseProof proof_;
+  MaskLifter mask_lifter_;
   std::optional<PoseGaussian> initial_;
   LocalizerState state_ = LocalizerState::kUninitialized;
   bool fresh_ = false;  // no image since the pose was given

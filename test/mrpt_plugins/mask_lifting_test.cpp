@@ -1,0 +1,73 @@
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "edge_mcl/mrpt_plugins/live_localizer.h"
+#include "edge_mcl/sim/scenario.h"
+#include "edge_mcl/sim/simulator.h"
+
+namespace edge_mcl {
+namespace {
+
+/// What a detector would do that takes the right half of the room for movable: pixels left unused
+/// in every image, and the position error of the last ones.
+struct Flown {
+  std::vector<int> ignored;
+  std::vector<LocalizerState> before;  ///< each image
+  double worst = 0;                    ///< m, over the second half
+};
+
+Flown fly(bool lift_mask) {
+  Scenario scenario = Scenario::fromYamlFile(std::string(EDGE_MCL_TEST_DATA) + "small_flight.yaml");
+  Parameters params;
+  params.filter.particles = 300;
+  params.tracking.lift_mask = lift_mask;
+  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, params);
+  LiveLocalizer localizer(map);
+  PoseGaussian start;
+  start.mean = scenario.cameraAt(0);
+  start.covariance.diagonal().head<3>().setConstant(0.0025);
+  start.covariance.diagonal().tail<3>().setConstant(0.0005);
+  localizer.setPose(start);
+  Simulator simulator(scenario);
+  RecordedFrame frame;
+  Flown flown;
+  constexpr int kImages = 30;
+  for (int i = 0; i < kImages; ++i) {
+    simulator.next(&frame);
+    LiveInput input;
+    input.time = frame.time;
+    input.odometry = frame.odometry;
+    cv::Mat mask = frame.mask.clone();
+    mask.colRange(mask.cols / 2, mask.cols) = 255;
+    input.views.push_back({scenario.camera, frame.color, mask, Pose::Identity(), "image"});
+    flown.before.push_back(localizer.state());
+    const LiveResult result = localizer.process(input);
+    flown.ignored.push_back(cv::countNonZero(result.images.at(0)->edges.ignore));
+    if (i >= kImages / 2)
+      flown.worst = std::max(
+          flown.worst, (result.estimate.mean.translation() - frame.truth->translation()).norm());
+  }
+  return flown;
+}
+
+TEST(MaskLifting, BeginsWithTrackingAndOnlyWhereItIsWanted) {
+  const Flown with = fly(true), without = fly(false);
+  size_t tracked = 0, lifted = 0;
+  for (size_t i = 0; i < with.ignored.size(); ++i) {
+    tracked += with.before[i] == LocalizerState::kTracking ? 1 : 0;
+    if (tracked > 3) {  // three images have to agree first
+      lifted += with.ignored[i] < without.ignored[i] ? 1 : 0;
+    } else {
+      EXPECT_EQ(with.ignored[i], without.ignored[i]) << "image " << i;
+    }
+  }
+  EXPECT_GE(tracked, 20u);
+  EXPECT_EQ(lifted, tracked - 3);
+  // Twice as much of the room in use does no harm.
+  EXPECT_LT(with.worst, 0.05);
+  EXPECT_LT(without.worst, 0.10);
+}
+
+}  // namespace
+}  // namespace edge_mcl
