@@ -49,6 +49,7 @@ std::vector<LineUnderMask> linesUnderMask(const cv::Mat& mask, const EdgePixels&
     }
   }
   std::vector<LineUnderMask> result;
+  result.reserve(lines.size());
   for (auto& [key, line] : lines) result.push_back(std::move(line));
   return result;
 }
