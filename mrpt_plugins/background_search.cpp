@@ -81,7 +81,9 @@ SearchReport BackgroundSearch::carriedToNow(const Report& then) const {
   const Twist variance = since_begin_.variance - then.since_begin.variance;
   SearchReport now = then.report;
   const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
-  constexpr double kPosition = 0.1, kAngle = 3 * M_PI / 180, kBlind = 0.3;  // m, rad, s
+  // Some three seconds of flight by odometry, after which one image that fits is not enough after a
+  // darkness, either.
+  constexpr double kPosition = 0.05, kAngle = 1.5 * M_PI / 180, kBlind = 0.3;  // m, rad, s
   now.stale = sigma.head<3>().maxCoeff() > kPosition || sigma.tail<3>().maxCoeff() > kAngle ||
               since_begin_.blind - then.since_begin.blind > kBlind;
   now.estimate = moved(now.estimate, motion, sigma);
