@@ -200,8 +200,12 @@ cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::View& view) {
                     view.image.cols == view.camera.width && view.image.rows == view.camera.height;
   if (!tracking_.lift_mask || state_ != LocalizerState::kTracking || view.mask.empty() || !fits)
     return view.mask;
-  return mask_lifter_.lift(number, *map_, view.camera, view.image, view.mask,
-                           filter_.estimate().mean * view.T_base_camera);
+  try {
+    return mask_lifter_.lift(number, *map_, view.camera, view.image, view.mask,
+                             filter_.estimate().mean * view.T_base_camera);
+  } catch (const InputError&) {
+    return view.mask;  // who prepares the image says what is wrong with it
+  }
 }
 
 void LiveLocalizer::learnUnderMasks(const LiveInput& input) {

@@ -69,5 +69,32 @@ TEST(MaskLifting, BeginsWithTrackingAndOnlyWhereItIsWanted) {
   EXPECT_LT(without.worst, 0.10);
 }
 
+// An image that cannot be used is told by its own name, masked or not.
+TEST(MaskLifting, LeavesABadImageToBeReported) {
+  Scenario scenario = Scenario::fromYamlFile(std::string(EDGE_MCL_TEST_DATA) + "small_flight.yaml");
+  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, Parameters());
+  LiveLocalizer localizer(map);
+  PoseGaussian start;
+  start.mean = scenario.cameraAt(0);
+  start.covariance.diagonal().setConstant(1e-4);
+  localizer.setPose(start);
+  Simulator simulator(scenario);
+  RecordedFrame frame;
+  LiveInput input;
+  for (int i = 0; i < 6; ++i) {
+    simulator.next(&frame);
+    input.time = frame.time;
+    input.odometry = frame.odometry;
+    input.views = {{scenario.camera, frame.color, frame.mask, Pose::Identity(), "front"}};
+    localizer.process(input);
+  }
+  ASSERT_EQ(localizer.state(), LocalizerState::kTracking);
+  input.time += 0.1;
+  input.views[0].image = cv::Mat(frame.color.size(), CV_32FC2, cv::Scalar(0));
+  input.views[0].mask = cv::Mat(frame.color.size(), CV_8UC1, cv::Scalar(0));
+  input.views[0].mask.colRange(0, 100) = 255;
+  EXPECT_NE(localizer.process(input).problem.find("front"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace edge_mcl
