@@ -44,6 +44,7 @@ void LiveLocalizer::begin() {
   odometry_of_update_.reset();
   trusted_at_.reset();
   searching_ = false;
+  mask_lifter_.forget();
   proof_.begin(isSpreadWide());
   if (proof_.isNeeded()) beginSearch(true);
 }
@@ -69,7 +70,8 @@ void LiveLocalizer::setPose(const PoseGaussian& pose) {
 }
 
 void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
-  finder_.reset();  // refers to the map
+  finder_.reset();        // refers to the map
+  mask_lifter_.forget();  // knows its lines by number
   map_ = std::move(map);
   if (searching_) beginSearch(false);
 }
@@ -208,9 +210,9 @@ cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::View& view) {
   }
 }
 
-void LiveLocalizer::learnUnderMasks(const LiveInput& input) {
-  if (!tracking_.lift_mask) return;
-  if (state_ != LocalizerState::kTracking) return mask_lifter_.forget();
+void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
+  // Images in a row: one that was not used, or did not confirm the pose, breaks it.
+  if (!used || state_ != LocalizerState::kTracking) return mask_lifter_.forget();
   std::vector<Pose> T_base_camera;
   for (const LiveInput::View& view : input.views) T_base_camera.push_back(view.T_base_camera);
   mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
@@ -373,7 +375,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     if (result->updated && !confirmed && problem.empty())
       problem = "the image does not confirm the pose";
     judge(input.time, trusted, result->updated);
-    if (result->updated) learnUnderMasks(input);
+    learnUnderMasks(input, result->updated);
     if (trusted) searching_ = false;
     if (state_ == LocalizerState::kLost) {
       // After a short darkness the first image that fits will do. Later odometry may have drifted

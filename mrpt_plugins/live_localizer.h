@@ -107,7 +107,7 @@ class LiveLocalizer {
   bool weigh(double time, const LiveResult& result);
   /// The view's mask, lifted where the model is seen under it.
   cv::Mat maskOf(size_t number, const LiveInput::View& view);
-  void learnUnderMasks(const LiveInput& input);
+  void learnUnderMasks(const LiveInput& input, bool used);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem);
   std::vector<CameraView> prepareDepths(const LiveInput& input, std::string* problem) const;

@@ -69,6 +69,37 @@ TEST(MaskLifting, BeginsWithTrackingAndOnlyWhereItIsWanted) {
   EXPECT_LT(without.worst, 0.10);
 }
 
+// Lines are known by their number in the map; in another map that is another line.
+TEST(MaskLifting, BeginsAnewInAnotherMap) {
+  Scenario scenario = Scenario::fromYamlFile(std::string(EDGE_MCL_TEST_DATA) + "small_flight.yaml");
+  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, Parameters());
+  LiveLocalizer localizer(map);
+  PoseGaussian start;
+  start.mean = scenario.cameraAt(0);
+  start.covariance.diagonal().setConstant(1e-4);
+  localizer.setPose(start);
+  Simulator simulator(scenario);
+  RecordedFrame frame;
+  std::vector<int> shares;  // of the mask that is in use, per mille of what it would be
+  for (int i = 0; i < 10; ++i) {
+    if (i == 8) localizer.setMap(map);
+    simulator.next(&frame);
+    LiveInput input;
+    input.time = frame.time;
+    input.odometry = frame.odometry;
+    cv::Mat mask(frame.color.size(), CV_8UC1, cv::Scalar(0));
+    mask.colRange(mask.cols / 2, mask.cols) = 255;
+    input.views = {{scenario.camera, frame.color, mask, Pose::Identity(), "image"}};
+    const LiveResult result = localizer.process(input);
+    const cv::Mat whole = ignoredPixels(mask, mask.size(), map->params().image, "image");
+    shares.push_back(1000 * cv::countNonZero(result.images.at(0)->edges.ignore) /
+                     cv::countNonZero(whole));
+  }
+  ASSERT_EQ(localizer.state(), LocalizerState::kTracking);
+  EXPECT_LT(shares[7], 1000);
+  EXPECT_EQ(shares[8], 1000);
+}
+
 // An image that cannot be used is told by its own name, masked or not.
 TEST(MaskLifting, LeavesABadImageToBeReported) {
   Scenario scenario = Scenario::fromYamlFile(std::string(EDGE_MCL_TEST_DATA) + "small_flight.yaml");
