@@ -61,6 +61,10 @@ ComparedRun ComparedRuns::get(const RunRequest& r) const {
                              "/dev/null");
     if (code == kExitInput || code == kExitUsage)
       throw InputError(r.directory + ": " + r.method + " cannot be run on it");
+    // As shells and loaders say it: no program, or one whose libraries cannot be loaded.
+    if (code == 126 || code == 127)
+      throw Error("a run cannot be started (exit code " + std::to_string(code) +
+                  "): was the program replaced meanwhile?");
     if (code > 128 && (code - 128 == SIGINT || code - 128 == SIGTERM))
       throw InputError("interrupted; the same command goes on from here");
     if (code != kExitOk) {

@@ -20,8 +20,10 @@ class ComparedRuns {
   /// @param folder for results; is made. @param core that the runs are bound to.
   ComparedRuns(std::string folder, int core);
 
-  /// Read where it is kept, else run. A process that crashes is a result, too.
-  /// @throws InputError when input is missing or broken, or a kept result is.
+  /// Read where it is kept, else run. A process that crashes is a result, too; one that does not
+  /// start is none.
+  /// @throws InputError when input is missing or broken, or a kept result is; Error when the run
+  /// cannot be started.
   ComparedRun get(const RunRequest& request) const;
   bool isKept(const RunRequest& request) const;
 

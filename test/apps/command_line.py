@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 failures = []
 OK, USAGE, INPUT, INCOMPLETE = 0, 2, 3, 4
@@ -352,6 +353,39 @@ def comparison(c, source):
             ' '.join(options), r.returncode, r.stderr))
 
 
+def replaced_program(c, source):
+    """A library that is built anew while the comparison runs is no fault of what is compared."""
+    libraries = os.path.join(c.folder, 'libraries')
+    os.makedirs(libraries)
+    name = 'libedge_mcl_core.so.0'
+    linked = subprocess.run(['ldd', c.tool], check=True, capture_output=True, text=True).stdout
+    original = next(line.split()[2] for line in linked.splitlines() if name in line)
+    mine = os.path.join(libraries, name)
+    os.symlink(original, mine)
+    out = os.path.join(c.folder, 'replaced')
+    runs = os.path.join(out, 'runs')
+    call = [c.tool, 'compare', out, '--flight',
+            os.path.join(source, 'test', 'data', 'small_flight.yaml'), '--rate', '3', '--seeds', '3',
+            '--particles', '60', '--method', 'edges']
+    environment = dict(os.environ, LD_LIBRARY_PATH=libraries)
+    with subprocess.Popen(call, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                          text=True) as comparing:
+        while comparing.poll() is None and not (os.path.isdir(runs) and os.listdir(runs)):
+            time.sleep(0.02)
+        os.remove(mine)
+        write(mine, '')
+        stderr = comparing.communicate()[1]
+    check(comparing.returncode not in (OK, None) and 'cannot be started' in stderr,
+          'runs that do not start end the comparison: %d %s' % (comparing.returncode, stderr))
+    os.remove(mine)
+    os.symlink(original, mine)
+    check(subprocess.run(call, env=environment, capture_output=True).returncode == OK,
+          'and it goes on from there')
+    for name in os.listdir(runs):
+        with open(os.path.join(runs, name)) as kept:
+            check('exit code' not in kept.read(), 'it keeps none of them: ' + name)
+
+
 def main():
     tool, source = sys.argv[1:3]
     folder = tempfile.mkdtemp()
@@ -365,6 +399,7 @@ def main():
         simulator(c, source)
         detector(c, source)
         comparison(c, source)
+        replaced_program(c, source)
     finally:
         shutil.rmtree(folder)
     return 1 if failures else 0
