@@ -10,6 +10,19 @@
 
 namespace edge_mcl {
 
+namespace {
+
+/// Some three seconds of flight by odometry, after which one image that fits is not enough after a
+/// darkness, either.
+bool isFarByOdometry(const Twist& variance, double blind) {
+  constexpr double kPosition = 0.05, kAngle = 1.5 * M_PI / 180, kBlind = 0.3;  // m, rad, s
+  const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
+  return sigma.head<3>().maxCoeff() > kPosition || sigma.tail<3>().maxCoeff() > kAngle ||
+         blind > kBlind;
+}
+
+}  // namespace
+
 BackgroundSearch::BackgroundSearch(const LocalizationMap& map, uint64_t seed)
     : map_(map), seed_(seed), thread_([this] { run(); }) {}
 
@@ -81,11 +94,8 @@ SearchReport BackgroundSearch::carriedToNow(const Report& then) const {
   const Twist variance = since_begin_.variance - then.since_begin.variance;
   SearchReport now = then.report;
   const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
-  // Some three seconds of flight by odometry, after which one image that fits is not enough after a
-  // darkness, either.
-  constexpr double kPosition = 0.05, kAngle = 1.5 * M_PI / 180, kBlind = 0.3;  // m, rad, s
-  now.stale = sigma.head<3>().maxCoeff() > kPosition || sigma.tail<3>().maxCoeff() > kAngle ||
-              since_begin_.blind - then.since_begin.blind > kBlind;
+  now.stale =
+      then.over_gap || isFarByOdometry(variance, since_begin_.blind - then.since_begin.blind);
   now.estimate = moved(now.estimate, motion, sigma);
   for (PoseCluster& cluster : now.clusters) cluster.pose = normalized(cluster.pose * motion);
   return now;
@@ -94,6 +104,7 @@ SearchReport BackgroundSearch::carriedToNow(const Report& then) const {
 void BackgroundSearch::run() {
   std::optional<GlobalLocalizer> search;  // made here, as that takes a while
   tbb::task_arena arena(std::max(1, tbb::info::default_concurrency() / 2));
+  bool over_gap = false;
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     wake_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
@@ -102,6 +113,7 @@ void BackgroundSearch::run() {
     const View view = std::move(waiting_.front());
     waiting_.pop_front();
     const bool is_newest = waiting_.empty();
+    over_gap = !begin && (over_gap || isFarByOdometry(view.before.variance, view.before.blind));
     lock.unlock();
     SearchReport report;
     std::exception_ptr failure;
@@ -122,7 +134,7 @@ void BackgroundSearch::run() {
     if (begin_) continue;  // nobody asks for this any more
     failure_ = failure;
     if (failure || !report.keyframe) continue;
-    reported_ = {std::move(report), view.since_begin};
+    reported_ = {std::move(report), view.since_begin, over_gap};
     is_news_ = true;
   }
 }

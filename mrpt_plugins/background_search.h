@@ -15,8 +15,9 @@ namespace edge_mcl {
 /// GlobalLocalizer takes seconds for a new view, in which a robot flies metres: views that are far
 /// apart share little, and odometry drifts between them. Here views wait in a queue while an older
 /// one is worked at; those that are not the newest are only followed, not searched anew. What is
-/// found is carried to the present by odometry. Takes half of the cores at most. What it finds
-/// depends on how fast the machine is.
+/// found is carried to the present by odometry; a pose that odometry has carried far, now or
+/// between two views, is reported as stale. Takes half of the cores at most. What it finds depends
+/// on how fast the machine is.
 class BackgroundSearch : public PoseFinder {
  public:
   /// The map must outlive this object.
@@ -45,6 +46,8 @@ class BackgroundSearch : public PoseFinder {
   struct Report {
     SearchReport report;
     BaseMotion since_begin;  // of its view
+    // Between two of its views odometry may have drifted farther than following them sets right.
+    bool over_gap = false;
   };
 
   void beginWith(Begin begin);

@@ -183,6 +183,30 @@ TEST_F(BackgroundSearchAlone, WhatItFoundBeforeAGapOfOdometryIsStale) {
   EXPECT_TRUE(offer().stale);
 }
 
+// After a search of ten seconds the next view was ten seconds of flight away; a pose followed over
+// that, and through two more views, was 0.36 m off and called tracking.
+TEST_F(BackgroundSearchAlone, WhatItFollowedOverAGapBetweenViewsIsStale) {
+  const FilterParameters& p = map_->params().filter;
+  const auto fly = [&](int steps) {
+    for (int i = 0; i < steps; ++i)
+      search_.move(BaseMotion::of(p, expSe3((Twist() << 0.05, 0, 0, 0, 0, 0.01).finished()), 0.1));
+  };
+  search_.begin();
+  ASSERT_EQ(awaitNews().keyframes, 1);
+  fly(10);
+  SearchReport report = awaitNews();
+  EXPECT_EQ(report.keyframes, 2);
+  EXPECT_FALSE(report.stale);
+  fly(60);
+  EXPECT_TRUE(awaitNews().stale);
+  fly(10);
+  report = awaitNews();
+  EXPECT_EQ(report.keyframes, 4);
+  EXPECT_TRUE(report.stale);
+  search_.begin();
+  EXPECT_FALSE(awaitNews().stale);
+}
+
 TEST_F(BackgroundSearchTest, WhatGoesWrongIsTold) {
   MeshSoup plate;
   plate.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
