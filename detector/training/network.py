@@ -56,6 +56,13 @@ class Network(nn.Module):
             InvertedResidual(48, 96, 2, 4), InvertedResidual(96, 96), InvertedResidual(96, 96, dilation=2),
             InvertedResidual(96, 96, dilation=4), InvertedResidual(96, 96, dilation=2),
             InvertedResidual(96, 96, dilation=4), InvertedResidual(96, 96))
+        # Objects that fill the image are taken in at a glance only where it is coarser still.
+        self.to_thirtysecond = nn.Sequential(
+            InvertedResidual(96, 144, 2), InvertedResidual(144, 144), InvertedResidual(144, 144, dilation=2),
+            InvertedResidual(144, 144))
+        self.from_thirtysecond = convolution(144, 96, active=False)
+        # It begins by adding nothing, so that weights of a network without it can be gone on from.
+        nn.init.zeros_(self.from_thirtysecond[1].weight)
         self.summary = nn.Sequential(nn.AdaptiveAvgPool2d(1), nn.Conv2d(96, 96, 1), nn.ReLU(inplace=True))
         self.deep = convolution(96, 48, active=False)
         self.from_eighth = convolution(48, 48, active=False)
@@ -71,7 +78,11 @@ class Network(nn.Module):
         quarter = self.to_quarter(half)
         eighth = self.to_eighth(quarter)
         deep = self.to_sixteenth(eighth)
-        deep = self.deep(deep + self.summary(deep))
+        coarsest = self.from_thirtysecond(self.to_thirtysecond(deep))
+        # Not by a factor: at 320x240 the coarsest level is 10x8, and twice that is a row too many.
+        coarsest = F.interpolate(coarsest, size=tuple(int(n) for n in deep.shape[2:]), mode="bilinear",
+                                 align_corners=False)
+        deep = self.deep(deep + coarsest + self.summary(deep))
         x = self.at_eighth(larger(deep) + self.from_eighth(eighth))
         x = self.at_quarter(larger(x) + self.from_quarter(quarter))
         return self.at_half(larger(x) + self.from_half(half))

@@ -115,7 +115,11 @@ def main():
     network = Network().to(memory_format=torch.channels_last)
     print(f"{sum(p.numel() for p in network.parameters())} parameters, {len(train)} + {len(test)} images")
     if options.start:
-        network.load_state_dict(torch.load(options.start))
+        lacking = network.load_state_dict(torch.load(options.start), strict=False)
+        if lacking.unexpected_keys:
+            raise SystemExit(f"{options.start}: of another network: {', '.join(lacking.unexpected_keys)}")
+        if lacking.missing_keys:
+            print(f"{options.start} knows nothing of {len(lacking.missing_keys)} of the network's tensors")
     average = {k: v.clone() for k, v in network.state_dict().items()}
     optimizer = torch.optim.AdamW(network.parameters(), weight_decay=1e-2)
     total, first = options.small_steps + options.full_steps, 0
