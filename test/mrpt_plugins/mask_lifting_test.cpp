@@ -69,62 +69,67 @@ TEST(MaskLifting, BeginsWithTrackingAndOnlyWhereItIsWanted) {
   EXPECT_LT(without.worst, 0.10);
 }
 
-// Lines are known by their number in the map; in another map that is another line.
-TEST(MaskLifting, BeginsAnewInAnotherMap) {
-  Scenario scenario = Scenario::fromYamlFile(std::string(EDGE_MCL_TEST_DATA) + "small_flight.yaml");
-  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, Parameters());
-  LiveLocalizer localizer(map);
-  PoseGaussian start;
-  start.mean = scenario.cameraAt(0);
-  start.covariance.diagonal().setConstant(1e-4);
-  localizer.setPose(start);
-  Simulator simulator(scenario);
-  RecordedFrame frame;
-  std::vector<int> shares;  // of the mask that is in use, per mille of what it would be
-  for (int i = 0; i < 10; ++i) {
-    if (i == 8) localizer.setMap(map);
-    simulator.next(&frame);
+/// Tracks a flight from its true start.
+class TrackedFlight {
+ public:
+  TrackedFlight() {
+    PoseGaussian start;
+    start.mean = scenario_.cameraAt(0);
+    start.covariance.diagonal().setConstant(1e-4);
+    localizer.setPose(start);
+  }
+  /// The next image, its mask without anything in it.
+  LiveInput next() {
+    RecordedFrame frame;
+    simulator_.next(&frame);
     LiveInput input;
     input.time = frame.time;
     input.odometry = frame.odometry;
-    cv::Mat mask(frame.color.size(), CV_8UC1, cv::Scalar(0));
+    const cv::Mat mask(frame.color.size(), CV_8UC1, cv::Scalar(0));
+    input.views = {{scenario_.camera, frame.color, mask, Pose::Identity(), "front"}};
+    return input;
+  }
+
+ private:
+  const Scenario scenario_ =
+      Scenario::fromYamlFile(std::string(EDGE_MCL_TEST_DATA) + "small_flight.yaml");
+  Simulator simulator_{scenario_};
+
+ public:
+  const std::shared_ptr<LocalizationMap> map =
+      std::make_shared<LocalizationMap>(scenario_.model_file, Parameters());
+  LiveLocalizer localizer{map};
+};
+
+// Lines are known by their number in the map; in another map that is another line.
+TEST(MaskLifting, BeginsAnewInAnotherMap) {
+  TrackedFlight flight;
+  std::vector<int> shares;  // of the mask that is in use, per mille of what it would be
+  for (int i = 0; i < 10; ++i) {
+    if (i == 8) flight.localizer.setMap(flight.map);
+    const LiveInput input = flight.next();
+    cv::Mat mask = input.views[0].mask;
     mask.colRange(mask.cols / 2, mask.cols) = 255;
-    input.views = {{scenario.camera, frame.color, mask, Pose::Identity(), "image"}};
-    const LiveResult result = localizer.process(input);
-    const cv::Mat whole = ignoredPixels(mask, mask.size(), map->params().image, "image");
+    const LiveResult result = flight.localizer.process(input);
+    const cv::Mat whole = ignoredPixels(mask, mask.size(), flight.map->params().image, "image");
     shares.push_back(1000 * cv::countNonZero(result.images.at(0)->edges.ignore) /
                      cv::countNonZero(whole));
   }
-  ASSERT_EQ(localizer.state(), LocalizerState::kTracking);
+  ASSERT_EQ(flight.localizer.state(), LocalizerState::kTracking);
   EXPECT_LT(shares[7], 1000);
   EXPECT_EQ(shares[8], 1000);
 }
 
 // An image that cannot be used is told by its own name, masked or not.
 TEST(MaskLifting, LeavesABadImageToBeReported) {
-  Scenario scenario = Scenario::fromYamlFile(std::string(EDGE_MCL_TEST_DATA) + "small_flight.yaml");
-  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, Parameters());
-  LiveLocalizer localizer(map);
-  PoseGaussian start;
-  start.mean = scenario.cameraAt(0);
-  start.covariance.diagonal().setConstant(1e-4);
-  localizer.setPose(start);
-  Simulator simulator(scenario);
-  RecordedFrame frame;
-  LiveInput input;
-  for (int i = 0; i < 6; ++i) {
-    simulator.next(&frame);
-    input.time = frame.time;
-    input.odometry = frame.odometry;
-    input.views = {{scenario.camera, frame.color, frame.mask, Pose::Identity(), "front"}};
-    localizer.process(input);
-  }
-  ASSERT_EQ(localizer.state(), LocalizerState::kTracking);
-  input.time += 0.1;
-  input.views[0].image = cv::Mat(frame.color.size(), CV_32FC2, cv::Scalar(0));
-  input.views[0].mask = cv::Mat(frame.color.size(), CV_8UC1, cv::Scalar(0));
-  input.views[0].mask.colRange(0, 100) = 255;
-  EXPECT_NE(localizer.process(input).problem.find("front"), std::string::npos);
+  TrackedFlight flight;
+  for (int i = 0; i < 6; ++i) flight.localizer.process(flight.next());
+  ASSERT_EQ(flight.localizer.state(), LocalizerState::kTracking);
+  LiveInput input = flight.next();
+  LiveInput::View& view = input.views[0];
+  view.image = cv::Mat(view.image.size(), CV_32FC2, cv::Scalar(0));
+  view.mask.colRange(0, 100) = 255;
+  EXPECT_NE(flight.localizer.process(input).problem.find("front"), std::string::npos);
 }
 
 }  // namespace
