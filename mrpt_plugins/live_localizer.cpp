@@ -12,24 +12,6 @@
 
 namespace edge_mcl {
 
-const char* nameOf(LocalizerState state) {
-  switch (state) {
-    case LocalizerState::kUninitialized:
-      return "uninitialized";
-    case LocalizerState::kConverging:
-      return "converging";
-    case LocalizerState::kTracking:
-      return "tracking";
-    case LocalizerState::kDegraded:
-      return "degraded";
-    case LocalizerState::kLost:
-      return "lost";
-    case LocalizerState::kSearching:
-      return "searching";
-  }
-  return "?";
-}
-
 LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map, bool search_in_background)
     : map_(std::move(map)),
       tracking_(map_->params().tracking),
@@ -67,6 +49,7 @@ bool LiveLocalizer::isLeftToSearch(const LiveInput& input) const {
 void LiveLocalizer::setPose(const PoseGaussian& pose) {
   filter_.initialize(pose);
   begin();
+  given_ = initial_;
 }
 
 void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
@@ -93,6 +76,7 @@ void LiveLocalizer::beginSearch(bool only_around) {
 
 void LiveLocalizer::searchEverywhere() {
   initial_.reset();
+  given_.reset();
   state_ = LocalizerState::kSearching;
   odometry_of_update_.reset();
   trusted_at_.reset();
@@ -107,7 +91,8 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->search_ms = report.total_ms;
   result->updated = true;
   if (!report.keyframe || !(report.converged || agreesWith(report))) return;
-  setPose(report.estimate);
+  filter_.initialize(report.estimate);
+  begin();
   if (report.stale) proof_.require(false);
   fresh_ = false;  // it holds for this image
   trusted_at_ = input.time;
@@ -136,6 +121,7 @@ bool LiveLocalizer::weigh(double time, const LiveResult& result) {
 void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
   filter_.setParticles(std::move(poses), std::move(log_weights));
   begin();
+  given_ = initial_;
 }
 
 bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
@@ -147,16 +133,17 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
       return false;
     }
     // A recording that is played again, or a simulation that begins anew; or one that was only
-    // turned back a little, and then the robot is not where it began.
-    if (initial_) {
-      setPose(PoseGaussian(*initial_));
+    // turned back a little, and then the robot is not where it began. Where the search found it in
+    // between is where it was then.
+    if (given_) {
+      setPose(PoseGaussian(*given_));
       proof_.require(true);
     } else {
       searchEverywhere();
     }
     result->restarted = true;
-    result->problem = initial_ ? "the clock jumped back; began again at the initial pose"
-                               : "the clock jumped back; the search began again";
+    result->problem = given_ ? "the clock jumped back; began again at the initial pose"
+                             : "the clock jumped back; the search began again";
   }
   // A pose that was just given holds for the first image after it.
   if (last_time_ && !result->restarted) {
@@ -247,6 +234,7 @@ void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
       continue;
     }
     result->images.push_back(image);
+    result->image_numbers.push_back(number);
     views->push_back({image, view.T_base_camera, 1, nullptr});
   }
 }

@@ -7,17 +7,13 @@
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/mrpt_plugins/localizer_state.h"
 #include "edge_mcl/mrpt_plugins/mask_lifter.h"
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
 #include "edge_mcl/mrpt_plugins/pose_finder.h"
 #include "edge_mcl/mrpt_plugins/pose_proof.h"
 
 namespace edge_mcl {
-
-enum class LocalizerState { kUninitialized, kConverging, kTracking, kDegraded, kLost, kSearching };
-
-/// "tracking" etc.
-const char* nameOf(LocalizerState state);
 
 /// What arrived for one moment.
 struct LiveInput {
@@ -47,13 +43,14 @@ struct LiveResult {
   std::string problem;     ///< one line; empty: none
   bool updated = false;    ///< the images were used
   bool late = false;       ///< older than what was seen before; nothing was done
-  bool restarted = false;  ///< the clock jumped back: began again at the initial pose
+  bool restarted = false;  ///< the clock jumped back: began again at the given pose, or to search
   PoseGaussian estimate;   ///< T_map_base at the input's time
   UpdateReport report;
   StageTimes image_times;
   double masked_share = 0;  ///< largest of the views
   double match_ratio = 0;
   std::vector<std::shared_ptr<const PreparedImage>> images;  ///< empty where not prepared
+  std::vector<size_t> image_numbers;  ///< which of the input's views each of `images` is
   /// While the pose is looked for: where it may be, best first. Empty otherwise.
   std::vector<PoseCluster> clusters;
   int search_keyframes = 0;  ///< views that the search has used so far
@@ -120,6 +117,7 @@ class LiveLocalizer {
   PoseProof proof_;
   MaskLifter mask_lifter_;
   std::optional<PoseGaussian> initial_;
+  std::optional<PoseGaussian> given_;  // not found by the search: where a clock turned back begins
   LocalizerState state_ = LocalizerState::kUninitialized;
   bool fresh_ = false;  // no image since the pose was given
   std::optional<double> last_time_;

@@ -215,6 +215,27 @@ TEST(Search, AfterAClockThatJumpedBackTheInitialPoseHasToProveItself) {
   }
 }
 
+/// What the search found in the middle of a flight is not where the flight begins.
+TEST(Search, AfterAClockThatJumpedBackItBeginsAnewWhereNoPoseWasGiven) {
+  Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
+  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
+  LiveLocalizer localizer(map);
+  localizer.searchEverywhere();
+  RandomSource random(5);
+  Simulator simulator(scenario);
+  RecordedFrame frame;
+  while ((!localizer.isInitialized() || frame.time < 1.5) &&
+         simulator.next(&frame))  // a jump is longer
+    localizer.process(inputOf(frame, scenario.camera, &random));
+  ASSERT_TRUE(localizer.isInitialized());
+  Simulator again(scenario);
+  again.next(&frame);
+  const LiveResult r = localizer.process(inputOf(frame, scenario.camera, &random));
+  EXPECT_TRUE(r.restarted);
+  EXPECT_FALSE(localizer.isInitialized());
+  EXPECT_EQ(r.state, LocalizerState::kSearching);
+}
+
 TEST(Search, LooksFartherThanABadGuessThatIsWrong) {
   Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
   Simulator simulator(scenario);
