@@ -55,7 +55,7 @@ int localizeRecorded(const LocalizeOptions& o) {
   nlohmann::json images = nlohmann::json::array();
   std::map<std::string, size_t> states;
   std::vector<double> update_ms;
-  size_t unusable = 0;
+  size_t unusable = 0, with_odometry = 0;
   ProgressBar bar("localize", recording.imageCount());
   LiveInput input;
   std::string problem;
@@ -65,6 +65,7 @@ int localizeRecorded(const LocalizeOptions& o) {
       input.up.emplace();
       input.up->up_base = *up;
     }
+    if (input.odometry) ++with_odometry;
     LiveResult r = localizer.process(input);
     input.up.reset();
     if (!problem.empty()) r.problem = problem;
@@ -93,6 +94,7 @@ int localizeRecorded(const LocalizeOptions& o) {
                          {"backend", map->backend().name()},
                          {"images", recording.imageCount()},
                          {"unusable_images", unusable},
+                         {"images_with_odometry", with_odometry},
                          {"states", states},
                          {"update_ms_median", summarize(update_ms).median}};
   TrajectoryErrors errors;
@@ -116,6 +118,10 @@ int localizeRecorded(const LocalizeOptions& o) {
                   100 * errors.success_share);
     std::printf("trajectory of the base: %s\n", o.out.c_str());
   }
+  if (with_odometry == 0)
+    std::fprintf(stderr,
+                 "warning: %s: no odometry in it for any image; steady motion was assumed\n",
+                 o.recording.c_str());
   if (estimate.empty()) sayThatNoPoseWasFound(o.recording);
   return unusable > 0 || estimate.empty() ? kExitIncomplete : kExitOk;
 }

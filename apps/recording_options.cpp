@@ -100,6 +100,7 @@ BagTopics parseTopics(const RecordingOptions& o) {
                                              {"depth_info", &topics.depth_info},
                                              {"truth", &topics.truth},
                                              {"initialpose", &topics.initial_pose},
+                                             {"odometry", &topics.odometry},
                                              {"odom_frame", &topics.odom_frame},
                                              {"base_frame", &topics.base_frame}};
   std::istringstream list(o.topics);
@@ -110,7 +111,7 @@ BagTopics parseTopics(const RecordingOptions& o) {
       throw ParameterError("--topics " + entry +
                            ": NAME=TOPIC expected, NAME one of image, camera_info, mask, depth, "
                            "depth_info, truth, "
-                           "initialpose, odom_frame, base_frame");
+                           "initialpose, odometry, odom_frame, base_frame");
     *field->second = entry.substr(equals + 1);
   }
   if (o.no_mask) topics.mask.clear();

@@ -2,6 +2,7 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <tf2/buffer_core.h>
@@ -76,6 +77,26 @@ struct BagReader::Impl {
     }
   }
 
+  /// Where tf does not say it, messages do.
+  void readOdometry() {
+    const std::string &odom = topics.odom_frame, &base = topics.base_frame;
+    if (odom.empty() || topics.odometry.empty() ||
+        transforms->canTransform(odom, base, ros::Time(0)))
+      return;
+    rosbag::View view(bag, rosbag::TopicQuery(topics.odometry));
+    for (const rosbag::MessageInstance& m : view) {
+      const auto message = m.instantiate<nav_msgs::Odometry>();
+      if (!message) continue;
+      try {
+        const Pose pose = fromMessage(message->pose.pose, topics.odometry);
+        transforms->setTransform(toTransformStamped(pose, message->header.stamp, odom, base),
+                                 "bag");
+      } catch (const InputError&) {
+        // Left out, as the node does; an image at that time has no odometry.
+      }
+    }
+  }
+
   void readSmallThings() {
     rosbag::View view(
         bag, rosbag::TopicQuery(std::vector<std::string>{topics.camera_info, topics.depth_info,
@@ -100,12 +121,14 @@ struct BagReader::Impl {
     if (!camera) throw InputError(file + ": no camera_info on " + topics.camera_info);
   }
 
-  Pose mountingOf(const std::string& frame, const std::string& where) const {
+  Pose mountingOf(const std_msgs::Header& header, const std::string& where) const {
+    const std::string &base = topics.base_frame, &frame = header.frame_id;
+    ros::Time at = header.stamp;  // a gimbal turns
     std::string why;
-    if (!transforms->canTransform(topics.base_frame, frame, ros::Time(0), &why))
+    if (!transforms->canTransform(base, frame, at)) at = ros::Time(0);
+    if (!transforms->canTransform(base, frame, at, &why))
       throw InputError(where + ": where is the camera on the robot? " + why);
-    return fromMessage(
-        transforms->lookupTransform(topics.base_frame, frame, ros::Time(0)).transform, where);
+    return fromMessage(transforms->lookupTransform(base, frame, at).transform, where);
   }
 
   LiveInput::View viewOf(const sensor_msgs::ImageConstPtr& message, const ros::Time& received) {
@@ -117,7 +140,7 @@ struct BagReader::Impl {
     view.image = fromMessage(message, where).clone();
     if (const auto m = masks.take(message->header.stamp, received, 0))
       view.mask = maskFromMessage(m, where + ": mask").clone();
-    view.T_base_camera = mountingOf(message->header.frame_id, where);
+    view.T_base_camera = mountingOf(message->header, where);
     return view;
   }
 
@@ -129,7 +152,7 @@ struct BagReader::Impl {
     depth.image.origin = view.origin + ": depth";
     depth.image.camera = depth_camera ? *depth_camera : *camera;
     depth.image.depth = depthFromMessage(message, depth.image.origin).clone();
-    depth.T_base_camera = mountingOf(message->header.frame_id, depth.image.origin);
+    depth.T_base_camera = mountingOf(message->header, depth.image.origin);
     if (!view.mask.empty())
       depth.image.mask = {view.mask, view.camera,
                           view.T_base_camera.inverse() * depth.T_base_camera};
@@ -144,6 +167,7 @@ BagReader::BagReader(const std::string& file, BagTopics topics) : impl_(std::mak
   try {
     m.bag.open(file, rosbag::bagmode::Read);
     m.readTransforms();
+    m.readOdometry();
     m.readSmallThings();
     m.images = std::make_unique<rosbag::View>(m.bag, rosbag::TopicQuery(m.topics.image));
     m.image = m.images->begin();

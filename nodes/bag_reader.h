@@ -21,6 +21,8 @@ struct BagTopics {
   std::string truth = "/ground_truth";
   std::string initial_pose = "/initialpose";
   std::string odom_frame = "odom";  ///< empty: odometry is not used
+  /// nav_msgs/Odometry, for bags whose tf has nothing between odom_frame and base_frame.
+  std::string odometry = "/odom";
   std::string base_frame = "base_link";
 };
 

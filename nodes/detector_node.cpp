@@ -75,7 +75,7 @@ void DetectorNode::work() {
       message.swap(newest_);
     }
     if (!running_) return;
-    diagnostics_.update();
+    if (diagnostics_pace_.isDue(diagnostics_.getPeriod())) diagnostics_.force_update();
     if (!message) continue;
     try {
       handle(message);

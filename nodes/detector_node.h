@@ -15,11 +15,12 @@
 
 #include "edge_mcl/detector/mask_detector.h"
 #include "edge_mcl/detector/object_tracker.h"
+#include "edge_mcl/nodes/wall_pace.h"
 
 namespace edge_mcl {
 
 struct DetectorNodeParameters : DetectorParameters {
-  std::string model;         ///< YAML description of a network; empty: the embedded one
+  std::string model;         ///< YAML description of a network; empty: the one that comes with the package
   double max_rate = 0;       ///< runs of the network per second; 0: as fast as it can
   bool every_image = false;  ///< the mask waits for the network's run on its own image
   int niceness = 5;          ///< of the network's thread: 0 as all others, 19 only idle time
@@ -69,6 +70,7 @@ class DetectorNode {
   image_transport::Publisher overlay_publisher_;
   image_transport::Subscriber image_subscriber_;
   diagnostic_updater::Updater diagnostics_;
+  WallPace diagnostics_pace_;
 
   std::mutex input_mutex_;
   std::condition_variable input_ready_;

@@ -36,6 +36,12 @@ void forEachAdjustable(LocalizerConfig* config, TrackingParameters* tracking, F 
   f(config->update_min_d, tracking->update_min_d);
 }
 
+/// What was received before a message that is so much older is of another time: a bag in a loop, a
+/// simulation begun anew.
+bool jumpedBack(const ros::Time& last, const ros::Time& now) {
+  return now + ros::Duration(1) < last;
+}
+
 }  // namespace
 
 LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
@@ -44,7 +50,7 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   const auto map = loadMap(params_.model_file, method_);
   localizer_ = std::make_unique<LiveLocalizer>(map, params_.search_in_background);
   if (params_.has_initial_pose) localizer_->setPose(params_.initialPose());
-  publisher_ = std::make_unique<ResultPublisher>(nh_, private_nh_, params_);
+  publisher_ = std::make_unique<ResultPublisher>(nh_, private_nh_, params_, method_.filter);
   publisher_->publishModel(*map);
   ROS_INFO("%s: %zu lines; %d particles; %s", params_.model_file.c_str(), map->edges().lines.size(),
            method_.filter.particles, map->backend().name().c_str());
@@ -106,7 +112,7 @@ void LocalizerNode::subscribeToCamera(size_t i) {
   camera.info_subscriber = keepInfo(prefix + "camera_info", &camera.info);
   if (method_.likelihood.cues != Cues::kDepth)
     camera.image_subscriber = transport_.subscribe(
-        prefix + "image", 1,
+        prefix + "image", 5,
         Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveImage(i, m); }));
   if (method_.likelihood.cues != Cues::kEdges) {
     camera.depth_info_subscriber = keepInfo(prefix + "depth/camera_info", &camera.depth_info);
@@ -144,6 +150,7 @@ void LocalizerNode::subscribe() {
       "global_localization", [this](std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
         const std::lock_guard<std::mutex> lock(localizer_mutex_);
         localizer_->searchEverywhere();
+        publisher_->forgetPose();
         return true;
       }));
   services_.push_back(private_nh_.advertiseService<SetPose::Request, SetPose::Response>(
@@ -161,8 +168,10 @@ void LocalizerNode::subscribe() {
   if (params_.save_pose_rate > 0)
     save_timer_ = nh_.createWallTimer(ros::WallDuration(1 / params_.save_pose_rate),
                                       [this](const ros::WallTimerEvent&) { savePose(); });
-  diagnostics_timer_ = nh_.createWallTimer(
-      ros::WallDuration(1), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  diagnostics_timer_ =
+      nh_.createWallTimer(ros::WallDuration(0.1), [this](const ros::WallTimerEvent&) {
+        if (diagnostics_pace_.isDue(diagnostics_.getPeriod())) diagnostics_.force_update();
+      });
 }
 
 void LocalizerNode::receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image) {
@@ -177,8 +186,7 @@ void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr
   {
     const std::lock_guard<std::mutex> lock(input_mutex_);
     std::deque<sensor_msgs::ImageConstPtr>& depths = cameras_[camera].depths;
-    // The clock jumped back: what is here is of another time.
-    if (!depths.empty() && depth->header.stamp + ros::Duration(1) < depths.back()->header.stamp)
+    if (!depths.empty() && jumpedBack(depths.back()->header.stamp, depth->header.stamp))
       depths.clear();
     depths.push_back(depth);
     cameras_[camera].depth_missing = 0;  // worth waiting for again
@@ -194,6 +202,7 @@ void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr
 void LocalizerNode::receiveImu(const sensor_msgs::ImuConstPtr& message) {
   constexpr size_t kKept = 400;
   const std::lock_guard<std::mutex> lock(input_mutex_);
+  if (!imu_.empty() && jumpedBack(imu_.back()->header.stamp, message->header.stamp)) imu_.clear();
   imu_.push_back(message);
   if (imu_.size() > kKept) imu_.pop_front();
 }
@@ -202,6 +211,9 @@ void LocalizerNode::receiveOdometry(const nav_msgs::OdometryConstPtr& odometry) 
   if (odometry_buffer_) {
     try {
       const Pose pose = fromMessage(odometry->pose.pose, "odometry");
+      // The buffer takes nothing that is much older than its newest.
+      if (jumpedBack(odometry_at_, odometry->header.stamp)) odometry_buffer_->clear();
+      odometry_at_ = odometry->header.stamp;
       odometry_buffer_->setTransform(
           toTransformStamped(pose, odometry->header.stamp, params_.odom_frame_id,
                              params_.base_frame_id),

@@ -27,7 +27,9 @@
 
 #include "edge_mcl/mrpt_plugins/live_localizer.h"
 #include "edge_mcl/nodes/mask_matcher.h"
+#include "edge_mcl/nodes/patience.h"
 #include "edge_mcl/nodes/result_publisher.h"
+#include "edge_mcl/nodes/wall_pace.h"
 
 namespace edge_mcl {
 
@@ -49,7 +51,7 @@ class LocalizerNode {
     ros::Subscriber info_subscriber;
     sensor_msgs::CameraInfoConstPtr info;
     MaskMatcher matcher;
-    std::optional<MaskMatcher::Match> match;  // newest complete one
+    Patience patience;  // with its images, where another camera says the moment
     image_transport::Subscriber depth_subscriber;
     ros::Subscriber depth_info_subscriber;
     sensor_msgs::CameraInfoConstPtr depth_info;
@@ -79,6 +81,8 @@ class LocalizerNode {
 
   void work();
   std::optional<Moment> nextMoment();
+  std::optional<MaskMatcher::Match> awaitImage(size_t camera, const ros::Time& stamp,
+                                               std::unique_lock<std::mutex>* lock);
   sensor_msgs::ImageConstPtr awaitDepth(size_t camera, const ros::Time& stamp,
                                         std::unique_lock<std::mutex>* lock);
   void process(const Moment& moment);
@@ -88,7 +92,8 @@ class LocalizerNode {
                LiveInput* input, double* mask_age, std::string* problem);
   void addDepth(const Moment& moment, size_t camera, const std::optional<Pose>& odometry,
                 LiveInput* input, double* mask_age, std::string* problem);
-  Pose mountingOf(const std::string& frame, const std::string& origin) const;
+  /// T_base_frame at that time, or the newest where that time is not known (a fixed mounting).
+  Pose mountingOf(const std_msgs::Header& header, const std::string& origin) const;
   cv::Mat maskFor(Camera* camera, const MaskMatcher::Match& match, const CameraModel& model,
                   const std::optional<Pose>& T_odom_camera, bool* skip, double* age);
 
@@ -106,7 +111,8 @@ class LocalizerNode {
   std::vector<Camera> cameras_;
   std::deque<sensor_msgs::ImuConstPtr> imu_;  // newest last
   uint32_t images_received_ = 0;
-  int odometry_missing_ = 0;  // times in a row
+  Patience odometry_patience_;
+  ros::Time odometry_at_;  // stamp of the newest on the topic
 
   std::mutex localizer_mutex_;  // guards what the worker and services share
   std::unique_ptr<LiveLocalizer> localizer_;
@@ -120,6 +126,7 @@ class LocalizerNode {
   std::vector<ros::ServiceServer> services_;
   ros::WallTimer save_timer_, diagnostics_timer_;
   diagnostic_updater::Updater diagnostics_;
+  WallPace diagnostics_pace_;
   boost::recursive_mutex adjustment_mutex_;
   std::unique_ptr<dynamic_reconfigure::Server<LocalizerConfig>> adjustment_;
   std::atomic<bool> running_{true};

@@ -43,32 +43,40 @@ std::optional<LocalizerNode::Moment> LocalizerNode::nextMoment() {
   }
   Moment moment;
   moment.stamp = fresh->image->header.stamp;
-  cameras_.front().match = fresh;
-  const auto inWindow = [&](const Camera& camera) {
-    return camera.match && std::abs((camera.match->image->header.stamp - moment.stamp).toSec()) <=
-                               params_.camera_window;
-  };
-  // Images of one moment do not come at one moment.
-  const double until = now + params_.camera_window;
+  moment.matches.push_back(fresh);
   for (size_t i = 1; i < cameras_.size(); ++i)
-    while (running_ && !inWindow(cameras_[i])) {
-      if (auto match = cameras_[i].matcher.take(ros::WallTime::now().toSec()))
-        cameras_[i].match = std::move(match);
-      else if (ros::WallTime::now().toSec() >= until)
-        break;
-      else
-        input_ready_.wait_for(lock, std::chrono::milliseconds(1));
-    }
+    moment.matches.push_back(awaitImage(i, moment.stamp, &lock));
   for (size_t i = 0; i < cameras_.size(); ++i)
     moment.depths.push_back(awaitDepth(i, moment.stamp, &lock));
   for (const Camera& camera : cameras_) {
     moment.depth_infos.push_back(camera.depth_info);
-    moment.matches.push_back(inWindow(camera) ? camera.match : std::nullopt);
     moment.infos.push_back(camera.info);
     moment.dropped += static_cast<uint32_t>(camera.matcher.dropped());
   }
   moment.received = images_received_;
   return moment;
+}
+
+std::optional<MaskMatcher::Match> LocalizerNode::awaitImage(size_t number, const ros::Time& stamp,
+                                                            std::unique_lock<std::mutex>* lock) {
+  // Images of one moment do not come at one moment.
+  Camera& camera = cameras_[number];
+  const double begin = ros::WallTime::now().toSec();
+  while (running_) {
+    const double now = ros::WallTime::now().toSec();
+    const MaskMatcher::Near near = camera.matcher.takeNear(stamp, params_.camera_window, now);
+    const bool awaited = near.may_come && camera.patience.isWorthwhile(near.newest) &&
+                         now - begin < params_.camera_timeout;
+    if (!near.waits_for_mask && !awaited) {
+      if (near.match)
+        camera.patience.found();
+      else
+        camera.patience.missed(near.newest);
+      return near.match;
+    }
+    input_ready_.wait_for(*lock, std::chrono::milliseconds(2));
+  }
+  return std::nullopt;
 }
 
 sensor_msgs::ImageConstPtr LocalizerNode::awaitDepth(size_t number, const ros::Time& stamp,
@@ -103,23 +111,25 @@ std::optional<Pose> LocalizerNode::odometryAt(const ros::Time& stamp, std::strin
   if (params_.odometry == "none") return std::nullopt;
   const tf2::BufferCore& buffer = odometry_buffer_ ? *odometry_buffer_ : tf_;
   const std::string &odom = params_.odom_frame_id, &base = params_.base_frame_id;
-  // By the wall clock: a simulated one may stand still. Odometry that is not there at all is not
-  // awaited for every image.
-  const auto until = ros::WallTime::now() +
-                     ros::WallDuration(odometry_missing_ > 3 ? 0 : params_.transform_timeout);
+  const auto newest = [&] {
+    return buffer.canTransform(odom, base, ros::Time(0))
+               ? buffer.lookupTransform(odom, base, ros::Time(0)).header.stamp
+               : ros::Time(0);
+  };
+  // By the wall clock: a simulated one may stand still.
+  const auto until = ros::WallTime::now() + ros::WallDuration(params_.transform_timeout);
   std::string why;
   while (running_) {
     if (buffer.canTransform(odom, base, stamp, &why)) {
-      odometry_missing_ = 0;
+      odometry_patience_.found();
       return fromMessage(buffer.lookupTransform(odom, base, stamp).transform, "odometry");
     }
-    const bool newer_is_there =
-        buffer.canTransform(odom, base, ros::Time(0)) &&
-        buffer.lookupTransform(odom, base, ros::Time(0)).header.stamp > stamp;
-    if (newer_is_there || ros::WallTime::now() >= until) break;
+    const ros::Time at = newest();
+    if (at > stamp || !odometry_patience_.isWorthwhile(at.toSec()) || ros::WallTime::now() >= until)
+      break;
     ros::WallDuration(0.002).sleep();
   }
-  ++odometry_missing_;
+  odometry_patience_.missed(newest().toSec());
   *problem = "no odometry for the image: " + why;
   return std::nullopt;
 }
@@ -145,7 +155,7 @@ std::optional<UpReading> LocalizerNode::upAt(const ros::Time& stamp, std::string
     geometry_msgs::Pose pose;
     pose.orientation = nearest->orientation;
     const Eigen::Matrix3d R_world_imu = fromMessage(pose, "imu").linear();
-    const Eigen::Matrix3d R_base_imu = mountingOf(nearest->header.frame_id, "imu").linear();
+    const Eigen::Matrix3d R_base_imu = mountingOf(nearest->header, "imu").linear();
     return UpReading{R_base_imu * R_world_imu.transpose() * Eigen::Vector3d::UnitZ(),
                      params_.imu_sigma};
   } catch (const std::exception& e) {
@@ -177,12 +187,14 @@ cv::Mat LocalizerNode::maskFor(Camera* camera, const MaskMatcher::Match& match,
                   T_odom_camera->linear().transpose() * *camera->last_mask_rotation);
 }
 
-Pose LocalizerNode::mountingOf(const std::string& frame, const std::string& origin) const {
+Pose LocalizerNode::mountingOf(const std_msgs::Header& header, const std::string& origin) const {
+  const std::string &base = params_.base_frame_id, &frame = header.frame_id;
+  ros::Time at = header.stamp;  // a gimbal turns
   std::string why;
-  if (!tf_.canTransform(params_.base_frame_id, frame, ros::Time(0), ros::Duration(0), &why))
+  if (!tf_.canTransform(base, frame, at)) at = ros::Time(0);
+  if (!tf_.canTransform(base, frame, at, ros::Duration(0), &why))
     throw InputError(origin + ": where is it on the robot? " + why);
-  return fromMessage(tf_.lookupTransform(params_.base_frame_id, frame, ros::Time(0)).transform,
-                     frame);
+  return fromMessage(tf_.lookupTransform(base, frame, at).transform, frame);
 }
 
 void LocalizerNode::addDepth(const Moment& moment, size_t number,
@@ -202,7 +214,7 @@ void LocalizerNode::addDepth(const Moment& moment, size_t number,
     depth.image.camera = fromMessage(*info, origin + " camera_info");
     depth.image.depth = depthFromMessage(message, origin);
     depth.image.units_per_metre = 1000;
-    depth.T_base_camera = mountingOf(message->header.frame_id, origin);
+    depth.T_base_camera = mountingOf(message->header, origin);
     depth.sensor = static_cast<uint32_t>(number);
     bool image_is_used = false;
     for (const LiveInput::View& view : input->views) {
@@ -232,17 +244,19 @@ void LocalizerNode::addDepth(const Moment& moment, size_t number,
 bool LocalizerNode::addView(const Moment& moment, size_t number,
                             const std::optional<Pose>& odometry, LiveInput* input, double* mask_age,
                             std::string* problem) {
-  if (!moment.matches[number]) return false;
   Camera& camera = cameras_[number];
+  if (!moment.matches[number]) {
+    *problem = camera.origin + ": no image of this moment";
+    return false;
+  }
   const MaskMatcher::Match& match = *moment.matches[number];
-  const std::string& frame = match.image->header.frame_id;
   try {
     if (!moment.infos[number]) throw InputError(camera.origin + ": no camera_info yet");
     LiveInput::View view;
     view.origin = camera.origin;
     view.camera = fromMessage(*moment.infos[number], camera.origin + " camera_info");
     view.image = fromMessage(match.image, camera.origin);
-    view.T_base_camera = mountingOf(frame, camera.origin);
+    view.T_base_camera = mountingOf(match.image->header, camera.origin);
     if (params_.use_masks) {
       std::optional<Pose> T_odom_camera;
       if (odometry) T_odom_camera = *odometry * view.T_base_camera;
@@ -278,9 +292,9 @@ void LocalizerNode::process(const Moment& moment) {
   const std::lock_guard<std::mutex> lock(localizer_mutex_);
   input.force_update = force_update_;
   force_update_ = false;
-  for (const LiveInput::View& view : input.views)
-    context.T_base_camera.push_back(view.T_base_camera);
   LiveResult result = localizer_->process(input);
+  for (const size_t number : result.image_numbers)
+    context.T_base_camera.push_back(input.views[number].T_base_camera);
   if (!problem.empty() && (result.problem.empty() || (input.views.empty() && input.depths.empty())))
     result.problem = problem;
   if (result.updated) ++updates_;

@@ -1,6 +1,7 @@
 #include "edge_mcl/nodes/mask_matcher.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace edge_mcl {
 
@@ -21,6 +22,7 @@ void MaskMatcher::addImage(const sensor_msgs::ImageConstPtr& image, double now) 
     masks_.clear();
   }
   images_.push_back({image, now});
+  newest_ = image->header.stamp.toSec();
   if (images_.size() > kMostWaiting) {
     images_.pop_front();
     ++dropped_;
@@ -33,21 +35,52 @@ void MaskMatcher::addMask(const sensor_msgs::ImageConstPtr& mask) {
   if (masks_.size() > kMostWaiting) masks_.pop_front();
 }
 
+std::optional<MaskMatcher::Match> MaskMatcher::complete(size_t k, double now) const {
+  const Waiting& waiting = images_[k];
+  const auto mask = std::find_if(masks_.begin(), masks_.end(), [&](const auto& m) {
+    return m->header.stamp == waiting.image->header.stamp;
+  });
+  const bool has_mask = use_masks_ && mask != masks_.end();
+  if (use_masks_ && !has_mask && now - waiting.since < timeout_) return std::nullopt;
+  return Match{waiting.image, has_mask ? *mask : nullptr};
+}
+
+void MaskMatcher::forgetUpTo(size_t k) {
+  const ros::Time stamp = images_[k].image->header.stamp;
+  const auto mask = std::find_if(masks_.begin(), masks_.end(),
+                                 [&](const auto& m) { return m->header.stamp == stamp; });
+  if (mask != masks_.end()) masks_.erase(masks_.begin(), mask + 1);
+  dropped_ += k;
+  images_.erase(images_.begin(), images_.begin() + static_cast<long>(k) + 1);
+}
+
 std::optional<MaskMatcher::Match> MaskMatcher::take(double now) {
-  for (size_t k = images_.size(); k-- > 0;) {
-    const Waiting& candidate = images_[k];
-    const auto mask = std::find_if(masks_.begin(), masks_.end(), [&](const auto& m) {
-      return m->header.stamp == candidate.image->header.stamp;
-    });
-    const bool has_mask = use_masks_ && mask != masks_.end();
-    if (use_masks_ && !has_mask && now - candidate.since < timeout_) continue;
-    const Match match{candidate.image, has_mask ? *mask : nullptr};
-    if (has_mask) masks_.erase(masks_.begin(), mask + 1);
-    dropped_ += k;
-    images_.erase(images_.begin(), images_.begin() + static_cast<long>(k) + 1);
-    return match;
-  }
+  for (size_t k = images_.size(); k-- > 0;)
+    if (const auto match = complete(k, now)) {
+      forgetUpTo(k);
+      return match;
+    }
   return std::nullopt;
+}
+
+MaskMatcher::Near MaskMatcher::takeNear(const ros::Time& stamp, double window, double now) {
+  Near result;
+  result.newest = newest_;
+  std::optional<size_t> nearest;
+  for (size_t k = 0; k < images_.size(); ++k) {
+    const double offset = std::abs((images_[k].image->header.stamp - stamp).toSec());
+    if (offset > window) continue;
+    window = offset;
+    nearest = k;
+  }
+  if (nearest) {
+    result.match = complete(*nearest, now);
+    result.waits_for_mask = !result.match;
+    if (result.match) forgetUpTo(*nearest);
+  } else {
+    result.may_come = newest_ < stamp.toSec();  // they come in the order of their stamps
+  }
+  return result;
 }
 
 }  // namespace edge_mcl

@@ -55,9 +55,12 @@ std::string trySet(const std::string& name, const std::string& value, NodeParame
 }  // namespace
 
 bool isForeignParameter(const std::string& name) {
-  for (const char* prefix : {"image_transport", "num_worker_threads", "adjust/"})
+  // Plugins of image_transport (compressed, theora, ...) keep theirs below the topic's name, or as
+  // subscribers in a namespace called like themselves.
+  for (const char* prefix : {"image_transport", "num_worker_threads", "adjust/", "overlay/",
+                             "compressed/", "compressedDepth/", "theora/"})
     if (name.rfind(prefix, 0) == 0) return true;
-  return false;
+  return name == "diagnostic_period";
 }
 
 void NodeParameters::validate() const {
@@ -74,6 +77,7 @@ void NodeParameters::validate() const {
   require(not_negative(transform_tolerance), "transform_tolerance must be zero or more");
   require(not_negative(transform_timeout), "transform_timeout must be zero or more");
   require(not_negative(camera_window), "camera_window must be zero or more");
+  require(not_negative(camera_timeout), "camera_timeout must be zero or more");
   require(std::isfinite(imu_sigma) && imu_sigma > 0, "imu_sigma must be positive");
   require(not_negative(depth_timeout), "depth_timeout must be zero or more");
   require(not_negative(depth_window), "depth_window must be zero or more");

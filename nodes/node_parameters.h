@@ -22,6 +22,7 @@ struct NodeParameters {
   bool tf_broadcast = true;
   double transform_tolerance = 0.1;
   double transform_timeout = 0.2;
+  double camera_timeout = 0.1;
   double camera_window = 0.02;
   bool use_masks = false;
   double mask_timeout = 0.2;
@@ -55,6 +56,8 @@ struct NodeParameters {
     v("tf_broadcast", tf_broadcast, "", "publish global frame -> odometry frame (or -> base)");
     v("transform_tolerance", transform_tolerance, "s", "how long a published transform holds");
     v("transform_timeout", transform_timeout, "s", "how long odometry is awaited for an image");
+    v("camera_timeout", camera_timeout, "s",
+      "how long the other cameras' images of a moment are awaited");
     v("camera_window", camera_window, "s", "images of several cameras this close are one moment");
     v("use_masks", use_masks, "", "wait for masks from a detector");
     v("mask_timeout", mask_timeout, "s", "how long the mask of an image is awaited");

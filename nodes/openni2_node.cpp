@@ -108,7 +108,7 @@ void OpenNi2Node::wait(double seconds) {
   const ros::WallTime until = ros::WallTime::now() + ros::WallDuration(seconds);
   while (ros::ok() && ros::WallTime::now() < until) {
     ros::spinOnce();
-    diagnostics_.update();
+    if (diagnostics_pace_.isDue(diagnostics_.getPeriod())) diagnostics_.force_update();
     ros::WallDuration(0.02).sleep();
   }
 }
@@ -141,7 +141,7 @@ void OpenNi2Node::run() {
         break;
     }
     ros::spinOnce();
-    diagnostics_.update();
+    if (diagnostics_pace_.isDue(diagnostics_.getPeriod())) diagnostics_.force_update();
   }
 }
 

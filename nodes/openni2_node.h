@@ -13,6 +13,7 @@
 
 #include "edge_mcl/nodes/device_clock.h"
 #include "edge_mcl/nodes/openni2_camera.h"
+#include "edge_mcl/nodes/wall_pace.h"
 
 namespace edge_mcl {
 
@@ -68,6 +69,7 @@ class OpenNi2Node {
   OpenNi2Parameters params_;
   image_transport::ImageTransport transport_;
   diagnostic_updater::Updater diagnostics_;
+  WallPace diagnostics_pace_;
   std::unique_ptr<OpenNi2Camera> camera_;
   Stream color_, depth_;
   DeviceClock clock_;  // one for both: frames of one moment keep one time

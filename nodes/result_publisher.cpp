@@ -8,13 +8,15 @@
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/overlay.h"
+#include "edge_mcl/mrpt_plugins/motion_noise.h"
 #include "edge_mcl/nodes/ros_conversions.h"
 
 namespace edge_mcl {
 
 ResultPublisher::ResultPublisher(ros::NodeHandle nh, ros::NodeHandle private_nh,
-                                 const NodeParameters& params)
+                                 const NodeParameters& params, const FilterParameters& filter)
     : params_(params),
+      filter_(filter),
       pose_(nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 5, true)),
       cloud_(nh.advertise<geometry_msgs::PoseArray>("particlecloud", 2)),
       hypotheses_(nh.advertise<geometry_msgs::PoseArray>("hypotheses", 2)),
@@ -26,7 +28,9 @@ ResultPublisher::ResultPublisher(ros::NodeHandle nh, ros::NodeHandle private_nh,
 
 void ResultPublisher::publish(const LiveResult& result, const LiveLocalizer& localizer,
                               const ResultContext& context) {
-  if (localizer.isInitialized() && !result.late) {
+  if (!localizer.isInitialized()) {
+    forgetPose();
+  } else if (!result.late) {
     geometry_msgs::PoseWithCovarianceStamped pose;
     pose.header.stamp = context.stamp;
     pose.header.frame_id = params_.global_frame_id;
@@ -49,18 +53,23 @@ void ResultPublisher::publish(const LiveResult& result, const LiveLocalizer& loc
 void ResultPublisher::publishTransform(const PoseGaussian& estimate, const ResultContext& context) {
   const bool to_base = params_.odometry == "none";
   if (!to_base && !context.odometry) return;
-  PoseGaussian transform = estimate;
-  if (!to_base) transform.mean = normalized(estimate.mean * context.odometry->inverse());
-  {
-    const std::lock_guard<std::mutex> lock(transform_mutex_);
-    T_map_odom_ = transform;
+  Pose transform = estimate.mean;
+  if (!to_base) {
+    transform = normalized(estimate.mean * context.odometry->inverse());
+    const std::lock_guard<std::mutex> lock(anchor_mutex_);
+    anchor_ = Anchor{estimate, *context.odometry, context.stamp};
   }
   if (!params_.tf_broadcast) return;
   // Dated ahead, as amcl does, so that the odometry's next readings find it.
   const ros::Time valid = context.stamp + ros::Duration(params_.transform_tolerance);
   broadcaster_.sendTransform(
-      toTransformStamped(transform.mean, valid, params_.global_frame_id,
+      toTransformStamped(transform, valid, params_.global_frame_id,
                          to_base ? params_.base_frame_id : params_.odom_frame_id));
+}
+
+void ResultPublisher::forgetPose() {
+  const std::lock_guard<std::mutex> lock(anchor_mutex_);
+  anchor_.reset();
 }
 
 void ResultPublisher::publishCloud(const LiveLocalizer& localizer, const ros::Time& stamp) {
@@ -145,17 +154,19 @@ void ResultPublisher::publishModel(const LocalizationMap& map) {
 }
 
 void ResultPublisher::publishOdometry(const nav_msgs::Odometry& odometry) {
-  std::optional<PoseGaussian> pose;
+  std::optional<Anchor> anchor;
   {
-    const std::lock_guard<std::mutex> lock(transform_mutex_);
-    pose = T_map_odom_;
+    const std::lock_guard<std::mutex> lock(anchor_mutex_);
+    anchor = anchor_;
   }
-  if (!pose || params_.odometry == "none") return;
+  if (!anchor) return;
   nav_msgs::Odometry in_map = odometry;
   in_map.header.frame_id = params_.global_frame_id;
   try {
-    pose->mean = pose->mean * fromMessage(odometry.pose.pose, "odometry");
-    in_map.pose = toPoseMessage(*pose);
+    const Pose step = anchor->odometry.inverse() * fromMessage(odometry.pose.pose, "odometry");
+    const double since = std::abs((odometry.header.stamp - anchor->stamp).toSec());
+    in_map.pose = toPoseMessage(
+        moved(anchor->estimate, step, odometryNoise(filter_, normalized(step), since)));
   } catch (const InputError&) {
     return;  // the localizer reports it
   }

@@ -17,6 +17,7 @@
 #include "edge_mcl/nodes/mask_matcher.h"
 #include "edge_mcl/nodes/node_parameters.h"
 #include "edge_mcl/nodes/particle_file.h"
+#include "edge_mcl/nodes/patience.h"
 #include "edge_mcl/nodes/ros_conversions.h"
 
 namespace edge_mcl {
@@ -174,6 +175,47 @@ TEST(MaskMatcher, ForgetsWhatWaitsWhenTheClockJumpsBack) {
   EXPECT_FALSE(matcher.take(10));
 }
 
+/// Another camera says the moment: the image of that moment counts, and newer ones wait for theirs.
+TEST(MaskMatcher, TakesTheImageOfAMoment) {
+  MaskMatcher matcher(true, 0.5);
+  const auto near = [&](double stamp, double now) {
+    return matcher.takeNear(ros::Time(stamp), 0.02, now);
+  };
+  EXPECT_TRUE(near(1, 0).may_come);
+  for (const double at : {1.01, 2.01, 3.01}) matcher.addImage(stamped(at), 0);
+  const auto waiting = near(2, 0.1);
+  EXPECT_FALSE(waiting.match);
+  EXPECT_TRUE(waiting.waits_for_mask);
+  matcher.addMask(stamped(2.01));
+  const auto second = near(2, 0.1);
+  ASSERT_TRUE(second.match && second.match->mask);
+  EXPECT_EQ(second.match->image->header.stamp, ros::Time(2.01));
+  EXPECT_EQ(matcher.dropped(), 1u);  // that of 1.01
+  const auto third = near(3, 0.6);
+  ASSERT_TRUE(third.match);
+  EXPECT_FALSE(third.match->mask);  // it was waited for
+  // Gone by, missing, and still to come.
+  EXPECT_FALSE(near(1, 0.6).may_come);
+  EXPECT_FALSE(near(2.5, 0.6).may_come);
+  EXPECT_TRUE(near(4, 0.6).may_come);
+  EXPECT_EQ(near(4, 0.6).newest, 3.01);
+}
+
+TEST(Patience, EndsWithTheFourthMissAndComesBackWithAnyNews) {
+  Patience patience;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(patience.isWorthwhile(7));
+    patience.missed(7);
+  }
+  EXPECT_FALSE(patience.isWorthwhile(7));
+  EXPECT_TRUE(patience.isWorthwhile(8));
+  EXPECT_TRUE(patience.isWorthwhile(1));  // a clock that jumped back
+  patience.missed(8);
+  EXPECT_FALSE(patience.isWorthwhile(8));
+  patience.found();
+  EXPECT_TRUE(patience.isWorthwhile(8));
+}
+
 TEST(MaskMatcher, DoesNotGrow) {
   MaskMatcher matcher(true, 1e9);
   for (int i = 1; i < 10000; ++i) matcher.addImage(stamped(i), i);
@@ -242,6 +284,18 @@ TEST(NodeParameters, AllFaultsAtOnce) {
          {"~model_file'", "~filter/particles'", "perhaps", "likelihood.sigma", "'soon'"})
       EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
   }
+}
+
+/// What plugins of image_transport and the diagnostics leave below the node's name is not ours.
+TEST(NodeParameters, OfOtherLibrariesAreLeftAlone) {
+  NodeParameters node;
+  Parameters method;
+  EXPECT_NO_THROW(applyParameters({{"model_file", "a.obj"},
+                                   {"overlay/compressed/format", "jpeg"},
+                                   {"overlay/theora/quality", "31"},
+                                   {"compressed/mode", "unchanged"},
+                                   {"diagnostic_period", "2"}},
+                                  &node, &method));
 }
 
 /// The documentation lists every parameter of the node.

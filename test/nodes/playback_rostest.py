@@ -69,6 +69,17 @@ class Playback(unittest.TestCase):
                  self.path(name))
         with open(self.path('first.txt')) as a, open(self.path('second.txt')) as b:
             self.assertEqual(a.read(), b.read())
+        # Odometry may be there as messages only.
+        with rosbag.Bag(self.bag) as bag, rosbag.Bag(self.path('no_tf.bag'), 'w') as without:
+            for topic, message, stamp in bag.read_messages():
+                if topic != '/tf':
+                    without.write(topic, message, stamp)
+        localize = ['localize', self.path('no_tf.bag'), '--model', MODEL, '--depth', '--particles', '500',
+                    '--out', self.path('no_tf.txt')]
+        self.assertNotIn('no odometry', tool(*localize))
+        with open(self.path('first.txt')) as a, open(self.path('no_tf.txt')) as b:
+            self.assertEqual(a.read(), b.read())
+        self.assertIn('no odometry', tool(*localize, '--topics', 'odometry='))
         direct = read_trajectory(self.path('first.txt'))
         self.assertEqual(len(direct), 61)
 
