@@ -46,7 +46,8 @@ std::string toMarkdown(const Parameters& params) {
   return "# Parameters\n\n"
          "Made by `edge-mcl parameters --markdown`. The same names hold in YAML (`--params FILE`), "
          "on the command\nline (`--set group.name=value`), as ROS parameters "
-         "(`~group/name`), and in MRPT's ini files (section and\nkey). A name that is not known is "
+         "(`~group/name`), and in MRPT's ini files (section\n`..._creationOpts` of the map, key "
+         "`group.name`). A name that is not known is "
          "an error.\n" +
          methodTables(params) +
          "\n## Viewer\n\n`edge-mcl view --show name=value`, `edge_mcl_viewer`'s `~name`; what they "

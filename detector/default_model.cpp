@@ -17,7 +17,7 @@ std::string defaultModelFile() {
     if (std::filesystem::exists(file, ignored)) return file.string();
     looked += (looked.empty() ? "" : ", ") + std::string(directory);
   }
-  throw InputError("the embedded model indoor.yaml is in none of: " + looked);
+  throw InputError("the default model indoor.yaml is in none of: " + looked);
 }
 
 }  // namespace edge_mcl
