@@ -82,8 +82,7 @@ int run(const BasinOptions& o) {
     std::shared_ptr<const PreparedImage> image;
     try {
       cv::Mat mask;
-      if (!o.no_mask && !frame.mask_file.empty())
-        mask = readImage(frame.mask_file, sequence.camera, true);
+      if (!o.no_mask && !frame.mask_file.empty()) mask = readMask(frame.mask_file, sequence.camera);
       image = map.prepare(sequence.camera, readImage(frame.image_file, sequence.camera), mask,
                           frame.image_file);
     } catch (const InputError& e) {

@@ -71,7 +71,7 @@ int run(const BenchOptions& o) {
   const CpuBackend cpu(map.sharedVisibility());
   const SequenceFrame& frame = sequence.frames[o.image];
   const cv::Mat picture = readImage(frame.image_file, sequence.camera);
-  const Pose centre = frame.ground_truth.value_or(sequence.initial_pose);
+  const Pose centre = frame.ground_truth ? *frame.ground_truth : startOf(sequence);
 
   RandomSource random(params.filter.seed);
   Twist scale;

@@ -183,7 +183,8 @@ void addDetect(CLI::App* app, Action* action) {
   CLI::App* c = app->add_subcommand("detect", "mask what moves: people, sofas, chairs, computers");
   c->add_option("input", o->inputs, "images, a folder of them, or a sequence directory")
       ->required();
-  c->add_option("--model", o->model, "YAML description of a network; default: the one that comes with the package");
+  c->add_option("--model", o->model,
+                "YAML description of a network; default: the one that comes with the package");
   c->add_option("--out", o->out, "directory for mask.txt and mask/, for `localize --masks`");
   c->add_option("--overlay", o->overlay, "directory for pictures of what was found");
   c->add_option("--rate", o->rate,

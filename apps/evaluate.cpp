@@ -34,6 +34,11 @@ int run(const EvaluateOptions& o) {
   if (reference.empty()) throw InputError(o.reference + ": no poses in it");
   const TrajectoryErrors e =
       evaluateTrajectory(estimate, reference, o.max_dt, o.position_limit, o.rotation_limit);
+  // A reference is often denser than the images.
+  const double of_matched = e.matched > 0
+                                ? e.success_share * static_cast<double>(e.reference_poses) /
+                                      static_cast<double>(e.matched)
+                                : 0;
   if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, reference));
   if (o.json) {
     std::printf("%s\n", nlohmann::json({{"reference_poses", e.reference_poses},
@@ -42,7 +47,8 @@ int run(const EvaluateOptions& o) {
                                         {"rotation_deg", jsonOf(e.rotation_summary)},
                                         {"relative_position_m", jsonOf(e.relative_position)},
                                         {"relative_rotation_deg", jsonOf(e.relative_rotation)},
-                                        {"success_share", e.success_share}})
+                                        {"success_share", e.success_share},
+                                        {"success_share_of_matched", of_matched}})
                             .dump(1)
                             .c_str());
     return kExitOk;
@@ -55,8 +61,8 @@ int run(const EvaluateOptions& o) {
     print("relative position per step", "cm", 100, e.relative_position);
     print("relative rotation per step", "deg", 1, e.relative_rotation);
   }
-  std::printf("within %g m and %g deg: %.1f %% of the reference poses\n", o.position_limit,
-              o.rotation_limit, 100 * e.success_share);
+  std::printf("within %g m and %g deg: %.1f %% of the matched, %.1f %% of the reference poses\n",
+              o.position_limit, o.rotation_limit, 100 * of_matched, 100 * e.success_share);
   return kExitOk;
 }
 

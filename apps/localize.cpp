@@ -92,7 +92,11 @@ int run(const LocalizeOptions& o) {
   for (const std::string& w : map.mesh().report.warnings)
     std::fprintf(stderr, "warning: %s: %s\n", model.c_str(), w.c_str());
   SequenceLocalizer localizer(map, sequence, !o.no_mask);
-  if (o.global || !o.up.empty()) localizer.searchEverywhere(parseUp(o.up));
+  const bool global = o.global || !o.up.empty();
+  if (!global && !sequence.initial_pose)
+    throw InputError(o.recording +
+                     "/sequence.yaml: no initial_pose in it; look for it with --global");
+  if (global) localizer.searchEverywhere(parseUp(o.up));
   if (!o.initial_std.empty()) {
     const auto [metres, radians] = parseInitialStd(o.initial_std);
     localizer.setInitialSpread(metres, radians);

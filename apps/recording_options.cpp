@@ -134,9 +134,10 @@ PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaus
   } else if (recorded) {
     pose = *recorded;
   } else {
-    throw InputError(o.recording +
-                     ": no initial pose in it; give one with --initial-pose, or look for it with "
-                     "--global");
+    throw InputError(o.recording + ": no initial pose in it; give one " +
+                     (kindOf(o.recording) == RecordingKind::kDirectory ? "in its sequence.yaml"
+                                                                       : "with --initial-pose") +
+                     ", or look for it with --global");
   }
   if (!o.initial_std.empty() || pose.covariance.isZero()) {
     const auto [metres, radians] = parseInitialStd(o.initial_std.empty() ? "0.1,3" : o.initial_std);

@@ -34,8 +34,7 @@ double soak(const LocalizationMap& map, const Sequence& sequence, size_t updates
     images.push_back(readImage(sequence.frames[i].image_file, sequence.camera));
   if (images.size() < 2) throw InputError("soak: the sequence has fewer than two images");
   PoseFilter filter(map.params().filter, map.params().refinement);
-  filter.initialize(sequence.initial_pose, sequence.initial_std_position,
-                    sequence.initial_std_angle);
+  filter.initialize(startOf(sequence), sequence.initial_std_position, sequence.initial_std_angle);
   const double dt = sequence.frames[1].time - sequence.frames[0].time;
   double early = 0;
   const size_t tenth = std::max<size_t>(1, updates / 10);

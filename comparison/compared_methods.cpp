@@ -90,7 +90,7 @@ std::unique_ptr<ComparedFilter> makeFilter(const ComparedMethod& method, const S
           observePoints(params.depth), params.filter, kPower);
     case MethodKind::kFloorPlan:
       return std::make_unique<MrptFilter2D>(loadMesh(sequence.model_file, params.map),
-                                            sequence.initial_pose.translation().z(), params.filter,
+                                            startOf(sequence).translation().z(), params.filter,
                                             params.depth, FloorPlanParameters(), kPower);
     case MethodKind::kDeadReckoning:
       return std::make_unique<DeadReckoning>(params.filter);

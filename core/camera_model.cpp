@@ -195,16 +195,16 @@ CameraModel CameraModel::fromFields(int width, int height, const std::array<doub
     camera.distortion = DistortionModel::kEquidistant;
     most = 4;
   } else if (distortion_model == "none" || distortion_model.empty()) {
-    most = 8;
+    most = 0;
   } else {
     throw InputError(origin + ": distortion_model '" + distortion_model +
                      "' is unknown (plumb_bob, rational_polynomial, equidistant)");
   }
   if (std::any_of(d + std::min(most, d_size), d + d_size, [](double c) { return c != 0; }))
     throw InputError(origin + ": " + std::to_string(d_size) + " distortion coefficients, " +
-                     distortion_model + " has " + std::to_string(most));
+                     (distortion_model.empty() ? "no distortion_model" : distortion_model) +
+                     " has " + std::to_string(most));
   for (size_t i = 0; i < std::min(most, d_size); ++i) camera.coefficients[i] = d[i];
-  if (distortion_model == "none" || distortion_model.empty()) camera.coefficients.fill(0);
   if (k[1] != 0 || k[8] != 1)
     throw InputError(origin + ": camera_matrix has skew or a last element other than 1");
   camera.validate(origin);

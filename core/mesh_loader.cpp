@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "edge_mcl/core/guarded_file_system.h"
 #include "edge_mcl/core/mesh_model.h"
 #include "edge_mcl/core/ply_header.h"
+#include "edge_mcl/core/polygon_ears.h"
 #include "edge_mcl/core/se3.h"
 
 namespace edge_mcl {
@@ -48,6 +50,51 @@ size_t prepareForTriangulation(aiScene* scene, const std::string& origin) {
     mesh.mPrimitiveTypes = types;  // an empty face counts as a polygon there
   }
   return empty;
+}
+
+/// assimp makes flat and overlapping triangles of polygons several of whose corners lie on one
+/// line, and those leave edges where there are none. What is not convex is cut here.
+void cutPolygons(aiMesh* mesh) {
+  std::vector<aiFace> faces;
+  bool any = false;
+  for (unsigned i = 0; i < mesh->mNumFaces; ++i) {
+    const aiFace& face = mesh->mFaces[i];
+    std::vector<std::array<unsigned, 3>> triangles;
+    if (face.mNumIndices > 3) {
+      std::vector<Eigen::Vector3d> corners;
+      for (unsigned k = 0; k < face.mNumIndices; ++k) {
+        const aiVector3D& v = mesh->mVertices[face.mIndices[k]];
+        corners.emplace_back(v.x, v.y, v.z);
+      }
+      if (!isStrictlyConvex(corners)) triangles = cutEars(corners);
+    }
+    if (triangles.empty()) faces.push_back(face);
+    for (const auto& [a, b, c] : triangles) {
+      faces.emplace_back();
+      faces.back().mNumIndices = 3;
+      faces.back().mIndices =
+          new unsigned[3]{face.mIndices[a], face.mIndices[b], face.mIndices[c]};  // the face's own
+      mesh->mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
+      any = true;
+    }
+  }
+  if (!any) return;
+  delete[] mesh->mFaces;
+  mesh->mNumFaces = static_cast<unsigned>(faces.size());
+  mesh->mFaces = new aiFace[faces.size()];
+  std::copy(faces.begin(), faces.end(), mesh->mFaces);
+}
+
+/// What the nearest to the origin of all vertices may be off by, as coordinates are read in single
+/// precision, m. What lies far out alone does not count.
+double coarsenessOf(const MeshSoup& soup, const MapParameters& params,
+                    const Eigen::Affine3d& to_map) {
+  constexpr double kPrecision = 1.2e-7;
+  const Eigen::Affine3d to_file = to_map.inverse();
+  double nearest = INFINITY;
+  for (const Eigen::Vector3f& v : soup.vertices)
+    nearest = std::min(nearest, (to_file * v.cast<double>()).cwiseAbs().maxCoeff());
+  return kPrecision * nearest * params.scale;
 }
 
 void appendMesh(const aiMesh& mesh, const aiMatrix4x4& to_root, const Eigen::Affine3d& to_map,
@@ -99,7 +146,7 @@ Eigen::Affine3d fileAxes(const std::string& extension) {
 
 void addScaleWarnings(MeshModel* mesh) {
   const double diagonal = mesh->diagonal();
-  if (diagonal > 2000)
+  if (diagonal > 500)
     mesh->report.warnings.push_back("the model is " + std::to_string(std::lround(diagonal)) +
                                     " m across: in millimetres? (map.scale 0.001)");
   if (diagonal < 0.02)
@@ -139,6 +186,7 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
       if (scene) {
         // The scene belongs to the importer, which hands it out for reading only.
         empty_faces = prepareForTriangulation(const_cast<aiScene*>(scene), file);
+        for (unsigned m = 0; m < scene->mNumMeshes; ++m) cutPolygons(scene->mMeshes[m]);
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
       }
     } catch (const InputError&) {
@@ -160,6 +208,12 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
                &soup);
   }
   if (soup.vertices.empty()) throw InputError(file + ": no vertices in it");
+  const double coarseness = coarsenessOf(soup, params, mapTransform(params) * fileAxes(extension));
+  const std::string far_off =
+      "the model lies so far from the origin of its file that its coordinates are read to " +
+      std::to_string(std::lround(1000 * std::min(coarseness, 1e6))) +
+      " mm only: move it near the origin there (map.x, ... come too late)";
+  if (std::isfinite(coarseness) && coarseness > 0.01) throw InputError(file + ": " + far_off);
   double tolerance = params.weld_tolerance;
   if (tolerance <= 0) {
     Eigen::Vector3f low = soup.vertices.front(), high = low;
@@ -172,6 +226,7 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   }
   MeshModel mesh = weldMesh(std::move(soup), tolerance, file);
   mesh.report.degenerate_triangles += empty_faces;
+  if (coarseness > 0.001) mesh.report.warnings.push_back(far_off);
   addScaleWarnings(&mesh);
   return mesh;
 }

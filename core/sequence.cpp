@@ -48,9 +48,9 @@ void readDescription(const std::string& file, Sequence* sequence) {
   try {
     if (!root.IsMap()) throw InputError(file + ": not a YAML map");
     if (root["name"]) sequence->name = root["name"].as<std::string>();
-    if (!root["initial_pose"]) throw InputError(file + ": key 'initial_pose' is missing");
-    sequence->initial_pose =
-        poseFromList(root["initial_pose"].as<std::vector<double>>(), file + ": initial_pose");
+    if (root["initial_pose"])
+      sequence->initial_pose =
+          poseFromList(root["initial_pose"].as<std::vector<double>>(), file + ": initial_pose");
     if (root["depth_scale"]) {
       sequence->depth_scale = root["depth_scale"].as<double>();
       if (!std::isfinite(sequence->depth_scale) || !(sequence->depth_scale > 0))
@@ -77,7 +77,51 @@ std::vector<StampedFile> sortedList(const fs::path& directory, const std::string
   return files;
 }
 
+/// Odometry at a time: as recorded there, else between its neighbours, or a little beyond its ends.
+std::optional<Pose> odometryAt(const Trajectory& odometry, double time) {
+  constexpr double kSameStamp = 1e-6, kLargestGap = 0.5, kBeyond = 0.05;  // s
+  const StampedPose* nearest = nearestInTime(odometry, time);
+  if (nearest && std::abs(nearest->time - time) <= kSameStamp) return nearest->pose;
+  if (odometry.size() >= 2) {
+    const auto after = std::lower_bound(odometry.begin() + 1, odometry.end() - 1, time,
+                                        [](const StampedPose& p, double t) { return p.time < t; });
+    const StampedPose &a = *(after - 1), &b = *after;
+    if (b.time - a.time <= kLargestGap && time >= a.time - kBeyond && time <= b.time + kBeyond) {
+      const double share = (time - a.time) / (b.time - a.time);
+      return normalized(a.pose * expSe3(share * logSe3(a.pose.inverse() * b.pose)));
+    }
+  }
+  if (nearest) return nearest->pose;
+  return std::nullopt;
+}
+
+/// Lists whose times are not those of the images are more often a mistake than not.
+void warnOfWhatDoesNotMatch(bool has_masks, const std::string& directory, Sequence* sequence) {
+  size_t odometry = 0, masks = 0, depths = 0;
+  for (const SequenceFrame& f : sequence->frames) {
+    odometry += f.odometry ? 1 : 0;
+    masks += f.mask_file.empty() ? 0 : 1;
+    depths += f.depth_file.empty() ? 0 : 1;
+  }
+  const auto warn = [&](const std::string& text) {
+    sequence->warnings.push_back(directory + "/" + text);
+  };
+  const size_t images = sequence->frames.size();
+  if (sequence->has_odometry && odometry < images)
+    warn("odometry.txt: none for " + std::to_string(images - odometry) + " of " +
+         std::to_string(images) + " images at their time");
+  if (has_masks && masks == 0) warn("mask.txt: no mask has the time of an image (within 5 ms)");
+  if (!sequence->depths.empty() && depths == 0)
+    warn("depth.txt: no depth image has the time of an image (within 25 ms)");
+}
+
 }  // namespace
+
+const Pose& startOf(const Sequence& sequence) {
+  if (!sequence.initial_pose)
+    throw InputError(sequence.directory + "/sequence.yaml: no initial_pose in it");
+  return *sequence.initial_pose;
+}
 
 void useMasks(const std::string& directory, Sequence* sequence) {
   const std::vector<StampedFile> masks = sortedList(directory, "mask.txt");
@@ -102,7 +146,8 @@ Sequence readSequence(const std::string& directory) {
   sequence.directory = directory;
   sequence.name = fs::path(fs::absolute(root)).lexically_normal().filename().string();
   sequence.camera = CameraModel::fromYamlFile(inside("camera.yaml"));
-  readDescription(inside("sequence.yaml"), &sequence);
+  if (fs::exists(inside("sequence.yaml"), ignored))
+    readDescription(inside("sequence.yaml"), &sequence);
   if (fs::exists(inside("model.obj"), ignored)) sequence.model_file = inside("model.obj");
 
   std::vector<StampedFile> masks;
@@ -116,6 +161,10 @@ Sequence readSequence(const std::string& directory) {
   sequence.has_odometry = !odometry.empty();
 
   for (const StampedFile& entry : readFileList(inside("rgb.txt"))) {
+    constexpr double kLatest = 1e11;  // s, some 3000 years
+    if (std::abs(entry.time) > kLatest)
+      throw InputError(inside("rgb.txt") + ": the stamp " + entry.time_text +
+                       " is no time in seconds (milli- or nanoseconds?)");
     if (!sequence.frames.empty() && entry.time <= sequence.frames.back().time) {
       sequence.warnings.push_back(inside("rgb.txt") + ": time goes back at " + entry.time_text +
                                   ", image left out");
@@ -128,18 +177,19 @@ Sequence readSequence(const std::string& directory) {
     if (const StampedFile* mask = nearestInTime(masks, entry.time)) frame.mask_file = mask->file;
     if (const StampedFile* d = nearestInTime(sequence.depths, entry.time, kDepthWindow))
       frame.depth_file = d->file;
-    if (const StampedPose* p = nearestInTime(odometry, entry.time)) frame.odometry = p->pose;
+    frame.odometry = odometryAt(odometry, entry.time);
     if (const StampedPose* p = nearestInTime(truth, entry.time)) frame.ground_truth = p->pose;
     sequence.frames.push_back(std::move(frame));
   }
   if (sequence.frames.empty()) throw InputError(inside("rgb.txt") + ": no images listed");
+  warnOfWhatDoesNotMatch(!masks.empty(), directory, &sequence);
   return sequence;
 }
 
-cv::Mat readImage(const std::string& file, const CameraModel& camera, bool grey) {
+cv::Mat readImage(const std::string& file, const CameraModel& camera) {
   cv::Mat image;
   try {
-    image = cv::imread(file, grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_UNCHANGED);
+    image = cv::imread(file, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception& e) {
     throw InputError(file + ": cannot be decoded: " + e.err);
   }
@@ -149,6 +199,16 @@ cv::Mat readImage(const std::string& file, const CameraModel& camera, bool grey)
                      " pixels, camera.yaml says " + std::to_string(camera.width) + "x" +
                      std::to_string(camera.height));
   return image;
+}
+
+cv::Mat readMask(const std::string& file, const CameraModel& camera) {
+  std::vector<cv::Mat> channels;
+  cv::split(readImage(file, camera), channels);
+  const bool has_alpha = channels.size() == 2 || channels.size() == 4;
+  if (has_alpha) channels.pop_back();
+  cv::Mat mask = channels.front() != 0;
+  for (const cv::Mat& channel : channels) mask |= channel != 0;
+  return mask;
 }
 
 cv::Mat readDepth(const std::string& file, const CameraModel& camera) {

@@ -14,7 +14,8 @@ SequenceLocalizer::SequenceLocalizer(const LocalizationMap& map, const Sequence&
       use_masks_(use_masks),
       // The map is the caller's: shared without owning it.
       localizer_(std::shared_ptr<const LocalizationMap>(std::shared_ptr<const void>(), &map)) {
-  setInitialSpread(sequence.initial_std_position, sequence.initial_std_angle);
+  if (sequence.initial_pose)
+    setInitialSpread(sequence.initial_std_position, sequence.initial_std_angle);
   // A recording is of what is to be tracked, however little of the image that is.
   TrackingParameters tracking = localizer_.tracking();
   tracking.min_visible_samples = 0;

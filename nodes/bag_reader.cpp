@@ -31,8 +31,8 @@ struct BagReader::Impl {
     rosbag::View::iterator next;
     std::map<ros::Time, sensor_msgs::ImageConstPtr> waiting;
 
-    void open(const rosbag::Bag& bag, const std::string& topic) {
-      view = std::make_unique<rosbag::View>(bag, rosbag::TopicQuery(topic));
+    void open(const rosbag::Bag& from, const std::string& topic) {
+      view = std::make_unique<rosbag::View>(from, rosbag::TopicQuery(topic));
       next = view->begin();
     }
     /// The one nearest to a stamp, and within `tolerance`; older ones are forgotten.

@@ -56,7 +56,7 @@ void MaskMatcher::forgetUpTo(size_t k) {
 
 std::optional<MaskMatcher::Match> MaskMatcher::take(double now) {
   for (size_t k = images_.size(); k-- > 0;)
-    if (const auto match = complete(k, now)) {
+    if (auto match = complete(k, now)) {
       forgetUpTo(k);
       return match;
     }

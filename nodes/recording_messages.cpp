@@ -1,5 +1,6 @@
 #include "edge_mcl/nodes/recording_messages.h"
 
+#include "edge_mcl/core/error.h"
 #include "edge_mcl/nodes/ros_conversions.h"
 
 namespace edge_mcl {
@@ -8,7 +9,22 @@ RecordingMessages::RecordingMessages(RecordingSetup setup, RecordingFrames frame
     : setup_(std::move(setup)), frames_(std::move(frames)) {}
 
 sensor_msgs::ImagePtr RecordingMessages::image(const cv::Mat& color, const ros::Time& stamp) const {
-  return toImage(color, color.channels() == 1 ? "mono8" : "bgr8", stamp, frames_.camera);
+  switch (color.type()) {
+    case CV_8UC1:
+      return toImage(color, "mono8", stamp, frames_.camera);
+    case CV_8UC3:
+      return toImage(color, "bgr8", stamp, frames_.camera);
+    case CV_8UC4:
+      return toImage(color, "bgra8", stamp, frames_.camera);
+    case CV_16UC1:
+      return toImage(color, "mono16", stamp, frames_.camera);
+    case CV_16UC3:
+      return toImage(color, "bgr16", stamp, frames_.camera);
+    case CV_16UC4:
+      return toImage(color, "bgra16", stamp, frames_.camera);
+    default:
+      throw InputError("an image of a kind that ROS has no name for");
+  }
 }
 
 sensor_msgs::CameraInfo RecordingMessages::info(const ros::Time& stamp) const {

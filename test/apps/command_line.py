@@ -127,6 +127,8 @@ def bad_input(c):
     c.case('camera that is no YAML', INPUT, ['camera.yaml'], overwrite('camera.yaml', '{[:'))
     c.case('NaN initial pose', INPUT, ['initial_pose'],
            replace('sequence.yaml', '[0, 0, 0, 0', '[.nan, 0, 0, 0'))
+    c.case('no initial pose', INPUT, ['initial_pose', '--global'],
+           replace('sequence.yaml', 'initial_pose', 'another_pose'))
     c.case('no images listed', INPUT, ['rgb.txt'], overwrite('rgb.txt', '# none\n'))
     c.case('malformed list', INPUT, ['rgb.txt:1'], overwrite('rgb.txt', '0.1\n'))
     c.case('unknown parameter', USAGE, ['likelihood.sigma'], None, ['--set', 'likelihood.sigm=2'])
@@ -164,7 +166,7 @@ def other_commands(c, source):
     # and the tilts are weaker.
     check(all(abs(x) < 0.02 for x in last[1:4]), 'pose of the square: %s' % last[1:4])
     r = c.run('evaluate', est, est, '--json')
-    check(r.returncode == OK and json.loads(r.stdout)['success_share'] == 1, 'evaluate with itself')
+    check(r.returncode == OK and json.loads(r.stdout)['success_share_of_matched'] == 1, 'evaluate with itself')
     r = c.run('evaluate', est, '/no/such/file')
     check(r.returncode == INPUT and '/no/such/file' in r.stderr, 'evaluate without reference')
     r = c.run('inspect', os.path.join(source, 'maps', 'cube_and_cylinder.obj'), '--json',

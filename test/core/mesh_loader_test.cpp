@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "edge_mcl/core/error.h"
@@ -42,6 +43,25 @@ TEST(EdgeModel, BadModelFilesAreOneLineErrors) {
                         "ply\nformat ascii 1.0\nelement vertex 1\n"
                         "property real x\nend_header\n0\n"));
   expectError(testing::TempDir());
+}
+
+/// In map coordinates of a country single precision keeps decimetres: no map to localize in.
+TEST(MeshLoader, AModelFarFromItsOriginIsRefusedOrWarnedOf) {
+  const auto at = [](double x) {
+    std::ostringstream text;
+    text.precision(12);
+    text << "v " << x << " 0 0\nv " << x + 50 << " 0 0\nv " << x << " 50 0\nf 1 2 3\n";
+    return writeFile("far.obj", text.str());
+  };
+  EXPECT_TRUE(loadMesh(at(1000), {}).report.warnings.empty());
+  EXPECT_EQ(loadMesh(at(20000), {}).report.warnings.size(), 1u);
+  EXPECT_THROW(loadMesh(at(600000), {}), InputError);
+  MapParameters moved;
+  moved.x = -600000;  // comes too late
+  EXPECT_THROW(loadMesh(at(600000), moved), InputError);
+  MapParameters millimetres;
+  millimetres.scale = 0.001;
+  EXPECT_TRUE(loadMesh(at(600000), millimetres).report.warnings.empty());
 }
 
 TEST(MeshLoader, AFaceWithoutVerticesIsDropped) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <opencv2/core.hpp>
 #include <random>
 
@@ -18,6 +19,7 @@
 #include "edge_mcl/nodes/node_parameters.h"
 #include "edge_mcl/nodes/particle_file.h"
 #include "edge_mcl/nodes/patience.h"
+#include "edge_mcl/nodes/recording_messages.h"
 #include "edge_mcl/nodes/ros_conversions.h"
 
 namespace edge_mcl {
@@ -306,6 +308,24 @@ TEST(NodeParameters, AreDocumented) {
   node.visit([&](const char* name, auto&, const char*, const char*) {
     EXPECT_NE(text.find(std::string("`") + name + "`"), std::string::npos) << name;
   });
+}
+
+/// What is written says how many bits and channels it has.
+TEST(RecordingMessages, ImagesOfEveryKindAreNamedRightly) {
+  const RecordingMessages messages({}, {});
+  for (const auto& [type, encoding] : std::map<int, std::string>{{CV_8UC1, "mono8"},
+                                                                 {CV_8UC3, "bgr8"},
+                                                                 {CV_8UC4, "bgra8"},
+                                                                 {CV_16UC1, "mono16"},
+                                                                 {CV_16UC3, "bgr16"},
+                                                                 {CV_16UC4, "bgra16"}}) {
+    const cv::Mat image(6, 8, type, cv::Scalar::all(200));
+    const auto message = messages.image(image, ros::Time(1));
+    EXPECT_EQ(message->encoding, encoding);
+    EXPECT_EQ(message->data.size(), image.total() * image.elemSize());
+    EXPECT_EQ(fromMessage(message, "").size(), image.size());
+  }
+  EXPECT_THROW(messages.image(cv::Mat(6, 8, CV_32FC2), ros::Time(1)), InputError);
 }
 
 /// A full disk, by a limit on the size of files: one error, no crash, what was written stays there.

@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
   auto map = std::make_shared<edge_mcl::CEdgeMap>(sequence.model_file, params);
 
   edge_mcl::PoseGaussian start;  // of the robot's base in the map
-  start.mean = sequence.initial_pose * T_base_camera.inverse();
+  start.mean = edge_mcl::startOf(sequence) * T_base_camera.inverse();
   start.covariance.diagonal() << 0.01, 0.01, 0.01, 0.003, 0.003, 0.003;
   edge_mcl::CEdgeMonteCarloLocalization3D filter(map);
   filter.initialize(start);
