@@ -66,6 +66,9 @@ int run(const ConvertOptions& o) {
   recorder->close();
   std::printf("%s: %zu images of %s, base frame: %s\n", o.out.c_str(), recorder->count(),
               sequence.name.c_str(), o.base.c_str());
+  constexpr double kEarliestOfRos = 1;  // s
+  if (o.ending == ".bag" && sequence.frames.front().time < kEarliestOfRos)
+    std::printf("its times are one second later: ROS knows none before 1 s\n");
   return left_out == 0 ? kExitOk : kExitIncomplete;
 }
 

@@ -74,11 +74,15 @@ void cutPolygons(aiMesh* mesh) {
       faces.back().mNumIndices = 3;
       faces.back().mIndices =
           new unsigned[3]{face.mIndices[a], face.mIndices[b], face.mIndices[c]};  // the face's own
-      mesh->mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
       any = true;
     }
   }
   if (!any) return;
+  // A mesh that says it has polygons, and has none, ends the process.
+  mesh->mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
+  if (std::none_of(faces.begin(), faces.end(),
+                   [](const aiFace& face) { return face.mNumIndices > 3; }))
+    mesh->mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
   delete[] mesh->mFaces;
   mesh->mNumFaces = static_cast<unsigned>(faces.size());
   mesh->mFaces = new aiFace[faces.size()];

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numeric>
 
 namespace edge_mcl {
 
@@ -11,7 +10,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kStraight = 1e-3;  // sine of the angle at a corner
-constexpr double kFlat = 1e-5;      // twice the area by the square of the longest side
+constexpr double kFlat = 1e-5;      // twice the area by the square of the longest side; also the
+                                // square of a corner's distance from the plane by twice the area
 
 /// As long as twice the area.
 Vector3d newellNormal(const std::vector<Vector3d>& corners) {
@@ -63,10 +63,14 @@ std::vector<std::array<unsigned, 3>> cutEars(const std::vector<Vector3d>& corner
   if (!(whole > 0)) return {};
   normal /= whole;
 
-  std::vector<unsigned> left(n);
-  std::iota(left.begin(), left.end(), 0u);
+  // A corner that comes twice in a row is one.
+  std::vector<unsigned> left;
+  for (unsigned i = 0; i < n; ++i) {
+    if (corners[i] != corners[(i + 1) % n]) left.push_back(i);
+    const double off = (corners[i] - corners[0]).dot(normal);
+    if (off * off > kFlat * whole) return {};
+  }
   std::vector<std::array<unsigned, 3>> triangles;
-  double cut = 0;
   while (left.size() >= 3) {
     const size_t count = left.size();
     double fattest = kFlat;
@@ -87,13 +91,9 @@ std::vector<std::array<unsigned, 3>> cutEars(const std::vector<Vector3d>& corner
     }
     if (best == count) return {};
     triangles.push_back({left[(best + count - 1) % count], left[best], left[(best + 1) % count]});
-    const auto& t = triangles.back();
-    cut += areaOf(corners[t[0]], corners[t[1]], corners[t[2]], normal);
     if (count == 3) break;
     left.erase(left.begin() + static_cast<long>(best));
   }
-  constexpr double kSameArea = 1e-4;
-  if (std::abs(cut - whole) > kSameArea * whole) return {};
   return triangles;
 }
 

@@ -15,8 +15,8 @@ bool isStrictlyConvex(const std::vector<Eigen::Vector3d>& corners);
 /// every corner stays a corner of triangles that have an area: no triangle is flat, none has a
 /// corner on its side.
 /// @param corners of a flat polygon, in order, any units.
-/// @return numbers of corners, turning as the polygon does; empty where it cannot be done (it
-/// crosses itself, is not flat, has more than 300 corners).
+/// @return numbers of corners, turning as the polygon does; empty where it is not flat, has more than
+/// 300 corners, or no ear is found (it crosses itself).
 std::vector<std::array<unsigned, 3>> cutEars(const std::vector<Eigen::Vector3d>& corners);
 
 }  // namespace edge_mcl

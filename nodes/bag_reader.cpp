@@ -22,6 +22,7 @@ struct BagReader::Impl {
   BagTopics topics;
   rosbag::Bag bag;
   std::unique_ptr<tf2::BufferCore> transforms;
+  std::unique_ptr<tf2::BufferCore> odometry;  // of messages, where tf has none
   std::optional<CameraModel> camera, depth_camera;
   std::optional<PoseGaussian> initial_pose;
   Trajectory truth;
@@ -84,13 +85,13 @@ struct BagReader::Impl {
         transforms->canTransform(odom, base, ros::Time(0)))
       return;
     rosbag::View view(bag, rosbag::TopicQuery(topics.odometry));
+    odometry = std::make_unique<tf2::BufferCore>(transforms->getCacheLength());
     for (const rosbag::MessageInstance& m : view) {
       const auto message = m.instantiate<nav_msgs::Odometry>();
       if (!message) continue;
       try {
         const Pose pose = fromMessage(message->pose.pose, topics.odometry);
-        transforms->setTransform(toTransformStamped(pose, message->header.stamp, odom, base),
-                                 "bag");
+        odometry->setTransform(toTransformStamped(pose, message->header.stamp, odom, base), "bag");
       } catch (const InputError&) {
         // Left out, as the node does; an image at that time has no odometry.
       }
@@ -204,9 +205,10 @@ bool BagReader::next(LiveInput* input, std::string* problem) {
     const ros::Time stamp = message->header.stamp;
     input->time = stamp.toSec();
     const std::string &odom = m.topics.odom_frame, &base = m.topics.base_frame;
-    if (!odom.empty() && m.transforms->canTransform(odom, base, stamp))
+    const tf2::BufferCore& odometry = m.odometry ? *m.odometry : *m.transforms;
+    if (!odom.empty() && odometry.canTransform(odom, base, stamp))
       input->odometry =
-          fromMessage(m.transforms->lookupTransform(odom, base, stamp).transform, "odometry");
+          fromMessage(odometry.lookupTransform(odom, base, stamp).transform, "odometry");
     const ros::Time received = (*m.image).getTime();
     input->views.push_back(m.viewOf(message, received));
     m.addDepth(input->views.back(), stamp, received, input);

@@ -20,7 +20,7 @@
 namespace edge_mcl {
 
 struct DetectorNodeParameters : DetectorParameters {
-  std::string model;         ///< YAML description of a network; empty: the one that comes with the package
+  std::string model;  ///< YAML description of a network; empty: the one that comes with the package
   double max_rate = 0;       ///< runs of the network per second; 0: as fast as it can
   bool every_image = false;  ///< the mask waits for the network's run on its own image
   int niceness = 5;          ///< of the network's thread: 0 as all others, 19 only idle time

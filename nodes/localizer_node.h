@@ -81,7 +81,8 @@ class LocalizerNode {
 
   void work();
   std::optional<Moment> nextMoment();
-  std::optional<MaskMatcher::Match> awaitImage(size_t camera, const ros::Time& stamp,
+  /// @param until s by the wall clock; for a mask it is its own timeout that counts.
+  std::optional<MaskMatcher::Match> awaitImage(size_t camera, const ros::Time& stamp, double until,
                                                std::unique_lock<std::mutex>* lock);
   sensor_msgs::ImageConstPtr awaitDepth(size_t camera, const ros::Time& stamp,
                                         std::unique_lock<std::mutex>* lock);

@@ -45,7 +45,7 @@ std::optional<LocalizerNode::Moment> LocalizerNode::nextMoment() {
   moment.stamp = fresh->image->header.stamp;
   moment.matches.push_back(fresh);
   for (size_t i = 1; i < cameras_.size(); ++i)
-    moment.matches.push_back(awaitImage(i, moment.stamp, &lock));
+    moment.matches.push_back(awaitImage(i, moment.stamp, now + params_.camera_timeout, &lock));
   for (size_t i = 0; i < cameras_.size(); ++i)
     moment.depths.push_back(awaitDepth(i, moment.stamp, &lock));
   for (const Camera& camera : cameras_) {
@@ -58,22 +58,25 @@ std::optional<LocalizerNode::Moment> LocalizerNode::nextMoment() {
 }
 
 std::optional<MaskMatcher::Match> LocalizerNode::awaitImage(size_t number, const ros::Time& stamp,
+                                                            double until,
                                                             std::unique_lock<std::mutex>* lock) {
   // Images of one moment do not come at one moment.
   Camera& camera = cameras_[number];
-  const double begin = ros::WallTime::now().toSec();
+  bool waited = false;
   while (running_) {
     const double now = ros::WallTime::now().toSec();
     const MaskMatcher::Near near = camera.matcher.takeNear(stamp, params_.camera_window, now);
-    const bool awaited = near.may_come && camera.patience.isWorthwhile(near.newest) &&
-                         now - begin < params_.camera_timeout;
-    if (!near.waits_for_mask && !awaited) {
-      if (near.match)
-        camera.patience.found();
-      else
-        camera.patience.missed(near.newest);
+    if (near.match) {
+      camera.patience.found();
       return near.match;
     }
+    const bool awaited =
+        near.may_come && now < until && (waited || camera.patience.isWorthwhile(near.newest));
+    if (!near.waits_for_mask && !awaited) {
+      if (near.may_come) camera.patience.missed(near.newest, waited);
+      return std::nullopt;
+    }
+    waited |= awaited;
     input_ready_.wait_for(*lock, std::chrono::milliseconds(2));
   }
   return std::nullopt;
@@ -119,17 +122,25 @@ std::optional<Pose> LocalizerNode::odometryAt(const ros::Time& stamp, std::strin
   // By the wall clock: a simulated one may stand still.
   const auto until = ros::WallTime::now() + ros::WallDuration(params_.transform_timeout);
   std::string why;
-  while (running_) {
-    if (buffer.canTransform(odom, base, stamp, &why)) {
-      odometry_patience_.found();
-      return fromMessage(buffer.lookupTransform(odom, base, stamp).transform, "odometry");
+  bool waited = false;
+  try {
+    while (running_) {
+      // Read first: what comes in between is seen by one of the two.
+      const ros::Time at = newest();
+      if (buffer.canTransform(odom, base, stamp, &why)) {
+        odometry_patience_.found();
+        return fromMessage(buffer.lookupTransform(odom, base, stamp).transform, "odometry");
+      }
+      const bool awaited = at <= stamp && ros::WallTime::now() < until &&
+                           (waited || odometry_patience_.isWorthwhile(at.toSec()));
+      if (!awaited) break;
+      waited = true;
+      ros::WallDuration(0.002).sleep();
     }
-    const ros::Time at = newest();
-    if (at > stamp || !odometry_patience_.isWorthwhile(at.toSec()) || ros::WallTime::now() >= until)
-      break;
-    ros::WallDuration(0.002).sleep();
+    odometry_patience_.missed(newest().toSec(), waited);
+  } catch (const tf2::TransformException& e) {
+    why = e.what();  // it was cleared in between: the clock jumped back
   }
-  odometry_patience_.missed(newest().toSec());
   *problem = "no odometry for the image: " + why;
   return std::nullopt;
 }

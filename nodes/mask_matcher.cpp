@@ -22,7 +22,10 @@ void MaskMatcher::addImage(const sensor_msgs::ImageConstPtr& image, double now) 
     masks_.clear();
   }
   images_.push_back({image, now});
-  newest_ = image->header.stamp.toSec();
+  const double stamp = image->header.stamp.toSec(), gap = stamp - newest_;
+  constexpr double kSlowing = 1.2;  // a lost image is no new rate
+  if (newest_ > 0 && gap > 0) period_ = period_ > 0 ? std::min(gap, kSlowing * period_) : gap;
+  newest_ = stamp;
   if (images_.size() > kMostWaiting) {
     images_.pop_front();
     ++dropped_;
@@ -78,7 +81,10 @@ MaskMatcher::Near MaskMatcher::takeNear(const ros::Time& stamp, double window, d
     result.waits_for_mask = !result.match;
     if (result.match) forgetUpTo(*nearest);
   } else {
-    result.may_come = newest_ < stamp.toSec();  // they come in the order of their stamps
+    // They come in the order of their stamps; a slower camera has none for every moment.
+    constexpr double kEarly = 0.8;
+    result.may_come =
+        newest_ < stamp.toSec() && newest_ + kEarly * period_ <= stamp.toSec() + window;
   }
   return result;
 }

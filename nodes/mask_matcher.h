@@ -29,7 +29,7 @@ class MaskMatcher {
   struct Near {
     std::optional<Match> match;   ///< the nearest image within the window, complete
     bool waits_for_mask = false;  ///< it is there, but its mask may still come
-    bool may_come = false;        ///< none is there yet, but it may still come
+    bool may_come = false;        ///< none is there yet, but one is due by then
     double newest = 0;            ///< stamp of the newest image that came, s; 0: none
   };
   /// Takes the image nearest to a stamp, within `window` seconds; newer ones go on waiting for
@@ -56,6 +56,7 @@ class MaskMatcher {
   std::deque<sensor_msgs::ImageConstPtr> masks_;  // likewise
   sensor_msgs::ImageConstPtr last_mask_;
   double newest_ = 0;  // stamp of an image, s
+  double period_ = 0;  // between images, s; 0: not known yet
   size_t dropped_ = 0;
 };
 

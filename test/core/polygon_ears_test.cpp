@@ -79,6 +79,27 @@ TEST(PolygonEars, RegularPolygonsAreConvexAndCrossedOnesCannotBeCut) {
   EXPECT_TRUE(isStrictlyConvex(flat(regular)));
   EXPECT_TRUE(cutEars(flat({{0, 0}, {2, 2}, {2, 0}, {0, 2}})).empty());
   EXPECT_TRUE(cutEars(flat({{0, 0}, {1, 0}, {2, 0}, {3, 0}})).empty());
+  std::vector<Vector3d> bent = flat(kT);
+  bent[4].z() = 1;
+  EXPECT_TRUE(cutEars(bent).empty());
+}
+
+TEST(PolygonEars, ACornerThatComesTwiceIsOne) {
+  auto corners = kT;
+  corners.insert(corners.begin() + 3, corners[3]);
+  corners.push_back(corners[0]);
+  EXPECT_EQ(cutEars(flat(corners)).size(), kT.size() - 2);
+}
+
+/// assimp ends the process where a mesh says that it has polygons and has none.
+TEST(PolygonEars, AFloorAloneIsRead) {
+  for (const char* more : {"", "f 1 2 3\n", "f 1 2 3 6\n", "l 1 4\n"}) {
+    const std::string file = testing::TempDir() + "l_floor.obj";
+    std::ofstream(file) << "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 2 2 0\nv 2 5 0\nv 0 5 0\n"
+                        << "f 1 2 3 4 5 6\n"
+                        << more;
+    EXPECT_GE(loadMesh(file, {}).triangles.size(), 4u) << more;
+  }
 }
 
 /// Floor and ceiling are one polygon each, as many programs write them.

@@ -203,19 +203,41 @@ TEST(MaskMatcher, TakesTheImageOfAMoment) {
   EXPECT_EQ(near(4, 0.6).newest, 3.01);
 }
 
-TEST(Patience, EndsWithTheFourthMissAndComesBackWithAnyNews) {
+TEST(Patience, EndsWithTheFourthMissAndComesBackWithNews) {
   Patience patience;
   for (int i = 0; i < 4; ++i) {
     EXPECT_TRUE(patience.isWorthwhile(7));
-    patience.missed(7);
+    patience.missed(7, true);
   }
   EXPECT_FALSE(patience.isWorthwhile(7));
+  patience.missed(7, false);
   EXPECT_TRUE(patience.isWorthwhile(8));
   EXPECT_TRUE(patience.isWorthwhile(1));  // a clock that jumped back
-  patience.missed(8);
-  EXPECT_FALSE(patience.isWorthwhile(8));
   patience.found();
   EXPECT_TRUE(patience.isWorthwhile(8));
+}
+
+/// What always comes too late, though it comes: hardly any image waits for it.
+TEST(Patience, TriesMoreAndMoreSeldom) {
+  Patience patience;
+  int waits = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const bool waited = patience.isWorthwhile(i);
+    waits += waited ? 1 : 0;
+    patience.missed(i, waited);
+  }
+  EXPECT_LT(waits, 30);
+  EXPECT_GT(waits, 10);
+}
+
+/// A camera of a sixth of the rate has no image for most moments, and those do not wait.
+TEST(MaskMatcher, KnowsWhenTheNextImageIsDue) {
+  MaskMatcher matcher(false, 0);
+  for (const double at : {1.0, 1.2, 1.4}) matcher.addImage(stamped(at), 0);
+  EXPECT_TRUE(matcher.takeNear(ros::Time(1.4), 0.02, 0).match);
+  for (const double at : {1.433, 1.467, 1.5, 1.533})
+    EXPECT_FALSE(matcher.takeNear(ros::Time(at), 0.02, 0).may_come) << at;
+  EXPECT_TRUE(matcher.takeNear(ros::Time(1.6), 0.02, 0).may_come);
 }
 
 TEST(MaskMatcher, DoesNotGrow) {
