@@ -44,10 +44,10 @@ def loss_of(scores, labels):
     return F.cross_entropy(scores, labels, WEIGHTS) + dice_loss(scores.softmax(1), truth)
 
 
-def learning_rate(step, total):
+def learning_rate(step, total, peak):
     if step < 0.05 * total:
-        return 3e-3 * (step + 1) / (0.05 * total)
-    return 3e-3 * (0.5 + 0.5 * np.cos(np.pi * (step - 0.05 * total) / (0.95 * total))) + 1e-5
+        return peak * (step + 1) / (0.05 * total)
+    return peak * (0.5 + 0.5 * np.cos(np.pi * (step - 0.05 * total) / (0.95 * total))) + 1e-5
 
 
 @torch.no_grad()
@@ -104,6 +104,8 @@ def main():
     arguments.add_argument("--small-steps", type=int, default=2200, help="of 32 images at 160x128")
     arguments.add_argument("--full-steps", type=int, default=2600, help="of 16 images at 320x240")
     arguments.add_argument("--seed", type=int, default=1)
+    arguments.add_argument("--peak-rate", type=float, default=3e-3,
+                           help="largest learning rate; less where good weights are gone on from")
     arguments.add_argument("--start", help="weights to begin with, e.g. ../models/indoor.pt")
     arguments.add_argument("--threads", type=int, default=2)
     options = arguments.parse_args()
@@ -141,7 +143,7 @@ def main():
     losses, began = [], time.time()
     for step, (colors, labels) in ahead(batch, first, total):
         for group in optimizer.param_groups:
-            group["lr"] = learning_rate(step, total)
+            group["lr"] = learning_rate(step, total, options.peak_rate)
         inputs = normalised(torch.from_numpy(colors)).contiguous(memory_format=torch.channels_last)
         loss = loss_of(network(inputs), torch.from_numpy(labels).long())
         optimizer.zero_grad(set_to_none=True)
