@@ -69,8 +69,10 @@ std::vector<InputImage> imagesOf(const DetectOptions& o, bool* is_sequence) {
   return images;
 }
 
-cv::Mat readAnyImage(const std::string& file) {
-  cv::Mat image = cv::imread(file, cv::IMREAD_COLOR);
+/// @param as_stored a sequence's masks lie on its pixels, however a photograph says it was held.
+cv::Mat readAnyImage(const std::string& file, bool as_stored) {
+  cv::Mat image = cv::imread(
+      file, as_stored ? cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION : cv::IMREAD_COLOR);
   if (image.empty()) throw InputError(file + ": missing or not a readable image");
   return image;
 }
@@ -103,7 +105,7 @@ int run(const DetectOptions& o) {
   nlohmann::json found = nlohmann::json::array();
   ProgressBar bar(model.name, images.size());
   for (const InputImage& input : images) {
-    const cv::Mat image = readAnyImage(input.file);
+    const cv::Mat image = readAnyImage(input.file, is_sequence);
     Detections objects;
     cv::Mat mask;
     if (is_sequence && o.rate >= 0) {

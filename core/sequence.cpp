@@ -144,7 +144,8 @@ Sequence readSequence(const std::string& directory) {
 
   Sequence sequence;
   sequence.directory = directory;
-  sequence.name = fs::path(fs::absolute(root)).lexically_normal().filename().string();
+  const fs::path full = fs::absolute(root).lexically_normal();
+  sequence.name = (full.has_filename() ? full : full.parent_path()).filename().string();
   sequence.camera = CameraModel::fromYamlFile(inside("camera.yaml"));
   if (fs::exists(inside("sequence.yaml"), ignored))
     readDescription(inside("sequence.yaml"), &sequence);

@@ -39,6 +39,11 @@ class SequenceTest : public testing::Test {
   CameraModel camera_;
 };
 
+TEST_F(SequenceTest, IsCalledAsItsDirectory) {
+  EXPECT_EQ(read().name, root_.filename().string());
+  EXPECT_EQ(readSequence(root_.string() + "/").name, root_.filename().string());
+}
+
 TEST_F(SequenceTest, NeedsNoInitialPoseUntilItIsAskedFor) {
   const Sequence sequence = read();
   EXPECT_FALSE(sequence.initial_pose);
