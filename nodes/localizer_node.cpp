@@ -189,7 +189,6 @@ void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr
     if (!depths.empty() && jumpedBack(depths.back()->header.stamp, depth->header.stamp))
       depths.clear();
     depths.push_back(depth);
-    cameras_[camera].depth_missing = 0;  // worth waiting for again
     if (depths.size() > kKept) depths.pop_front();
   }
   // Without images it is depth that sets the pace.

@@ -56,7 +56,7 @@ class LocalizerNode {
     ros::Subscriber depth_info_subscriber;
     sensor_msgs::CameraInfoConstPtr depth_info;
     std::deque<sensor_msgs::ImageConstPtr> depths;  // newest last
-    int depth_missing = 0;                          // times in a row
+    Patience depth_patience;
     // Of the mask that was used last, for mask_policy use_last.
     cv::Mat last_mask;
     ros::Time last_mask_at;

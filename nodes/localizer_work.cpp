@@ -85,26 +85,30 @@ std::optional<MaskMatcher::Match> LocalizerNode::awaitImage(size_t number, const
 sensor_msgs::ImageConstPtr LocalizerNode::awaitDepth(size_t number, const ros::Time& stamp,
                                                      std::unique_lock<std::mutex>* lock) {
   if (method_.likelihood.cues == Cues::kEdges) return nullptr;
-  // Depth that is not there at all is not awaited for every image.
-  int& missing = cameras_[number].depth_missing;
-  const double until = ros::WallTime::now().toSec() + (missing > 3 ? 0 : params_.depth_timeout);
+  Camera& camera = cameras_[number];
+  const double until = ros::WallTime::now().toSec() + params_.depth_timeout;
+  bool waited = false;
   while (running_) {
     sensor_msgs::ImageConstPtr nearest;
-    double least = params_.depth_window;
-    bool newer = false;
-    for (const sensor_msgs::ImageConstPtr& depth : cameras_[number].depths) {
+    double least = params_.depth_window, newest = 0;
+    for (const sensor_msgs::ImageConstPtr& depth : camera.depths) {
       const double offset = (depth->header.stamp - stamp).toSec();
-      newer |= offset >= 0;
+      newest = std::max(newest, depth->header.stamp.toSec());
       if (std::abs(offset) > least) continue;
       least = std::abs(offset);
       nearest = depth;
     }
-    // A later one can only be farther away.
-    const bool late = ros::WallTime::now().toSec() >= until;
-    if (newer || late) {
-      missing = newer ? 0 : missing + 1;
+    if (newest >= stamp.toSec()) {  // a later one can only be farther away
+      camera.depth_patience.found();
       return nearest;
     }
+    const bool awaited = ros::WallTime::now().toSec() < until &&
+                         (waited || camera.depth_patience.isWorthwhile(newest));
+    if (!awaited) {
+      camera.depth_patience.missed(newest, waited);
+      return nearest;
+    }
+    waited = true;
     input_ready_.wait_for(*lock, std::chrono::milliseconds(2));
   }
   return nullptr;
