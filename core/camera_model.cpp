@@ -36,19 +36,23 @@ Radial equidistantAngle(const CameraModel& camera, double theta) {
   return {value, slope};
 }
 
+/// Beyond this angle to the optical axis nothing is projected; radians, just below 90 degrees.
+constexpr double kWidest = 1.55;
+
 /// First radius (or angle) at which the distorted radius stops growing, squared.
 double monotoneLimit2(const CameraModel& camera) {
   constexpr double kStep = 1e-3;
   if (camera.distortion == DistortionModel::kNone) return 1e12;
   if (camera.distortion == DistortionModel::kEquidistant) {
     double theta = kStep;
-    for (; theta < 1.55; theta += kStep)
+    for (; theta < kWidest; theta += kStep)
       if (equidistantAngle(camera, theta).derivative <= 0) break;
     return theta * theta;
   }
   for (double r = kStep; r < 20; r += kStep) {
     const Radial f = radialFactor(camera, r * r);
-    if (!(f.factor + 2 * r * r * f.derivative > 0)) return r * r;
+    // Beyond a pole of the rational model the radius grows, too, on the other side of the image.
+    if (!(f.factor > 0 && f.factor + 2 * r * r * f.derivative > 0)) return r * r;
   }
   return 400;
 }
@@ -56,7 +60,7 @@ double monotoneLimit2(const CameraModel& camera) {
 /// Angle to the optical axis of the ray at a distorted normalised radius, without tangential
 /// distortion; by bisection.
 double undistortedAngle(const CameraModel& camera, double distorted_radius) {
-  double low = 0, high = 1.5;
+  double low = 0, high = kWidest;
   for (int i = 0; i < 50; ++i) {
     const double angle = 0.5 * (low + high), r = std::tan(angle);
     double reached = 0;
@@ -80,7 +84,7 @@ CameraModel::View viewOf(const CameraModel& camera) {
     const double tx = (u - camera.cx) / camera.fx, ty = (v - camera.cy) / camera.fy;
     const double radius = std::max(1e-9, std::hypot(tx, ty));
     // Tangential distortion shifts a corner by a few pixels; one degree covers it.
-    const double angle = undistortedAngle(camera, radius) + 0.02;
+    const double angle = std::min(undistortedAngle(camera, radius) + 0.02, 1.57);
     const double x = tx / radius * std::tan(angle), y = ty / radius * std::tan(angle);
     view.angle = std::max(view.angle, angle);
     view.x_min = std::min(view.x_min, x - 0.02);

@@ -45,10 +45,17 @@ struct PoseScore {
   double depth_log_likelihood = 0;  ///< the part of log_likelihood that is of depth images
   float depth_points = 0;
   float depth_points_on_model = 0;
+  /// What all lines score together, over all images: the mean of a line is this by line_count. Not
+  /// to be had of log_likelihood, where lines of different images do not dilute one another. Set by
+  /// LocalizationMap::evaluate.
+  double line_score_sum = 0;
+
+  double scorePerLine() const { return line_count > 0 ? line_score_sum / line_count : 0; }
 };
 
-/// Scores of poses against one image. A single pose is a batch of one and gives the same bits as
-/// inside a larger batch.
+/// Scores of poses against one image. The same call gives the same bits. On the CPU a single pose
+/// gives the bits that it gives inside a larger batch; a device may add up a large batch in another
+/// order.
 class LikelihoodBackend {
  public:
   virtual ~LikelihoodBackend() = default;

@@ -62,9 +62,12 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
     throw InputError(origin + ": the image has " + std::to_string(image.cols) + "x" +
                      std::to_string(image.rows) + " pixels, camera_info says " +
                      std::to_string(camera.width) + "x" + std::to_string(camera.height));
+  ScoreTable::checkSize(image.cols, image.rows, params_.image.orientation_bins);
   auto prepared = std::make_shared<PreparedImage>();
   const auto t0 = Clock::now();
-  const cv::Mat grey = toGrey(image, origin);
+  cv::Mat grey = toGrey(image, origin);
+  // It is kept, and may be read by another thread when the caller has long reused or freed his.
+  if (grey.data == image.data) grey = grey.clone();
   const cv::Mat ignore = ignoredPixels(mask, grey.size(), params_.image, origin);
   LikelihoodFrame& frame =
       prepared->frame = {camera, nullptr, params_.likelihood, edges_->sample_step};
@@ -143,6 +146,9 @@ std::vector<PoseScore> LocalizationMap::evaluate(const std::vector<CameraView>& 
       total[i].log_likelihood += scores[i].log_likelihood;
       total[i].sample_weight += scores[i].sample_weight;
       total[i].line_count += scores[i].line_count;
+      total[i].line_score_sum +=
+          scorePerLine(params_.likelihood, scores[i].log_likelihood, scores[i].line_count) *
+          scores[i].line_count;
     }
   }
   return total;

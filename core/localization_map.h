@@ -94,6 +94,10 @@ class LocalizationMap {
   /// The same, cheaper and less exact: refinement.start_iterations and start_samples.
   RefinementResult refineRoughly(const std::vector<CameraView>& views, const Pose& start,
                                  const std::optional<PoseGaussian>& prior) const;
+  /// Only counts what is visible and matched at a pose, as refine() does at its last step.
+  RefinementResult match(const std::vector<CameraView>& views, const Pose& pose) const {
+    return refine(views, pose, std::nullopt, {1, params_.refinement.max_samples});
+  }
 
  private:
   void build(const std::string& model_file);

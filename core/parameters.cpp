@@ -224,6 +224,10 @@ void Parameters::validate() const {
   require(share(filter.velocity_smoothing), "filter.velocity_smoothing", "0 to 1");
   require(share(filter.resample_threshold), "filter.resample_threshold", "0 to 1");
   require(filter.ess_floor > 0 && filter.ess_floor < 1, "filter.ess_floor", "between 0 and 1");
+  // Weights that tempering leaves at the floor would never be resampled, nor any image be used.
+  const bool always_resamples = refinement.enabled && filter.refined_share > 0;
+  require(always_resamples || !(filter.resample_threshold <= filter.ess_floor),
+          "filter.resample_threshold", "above filter.ess_floor, without refinement");
   require(filter.refined_share >= 0 && filter.refined_share < 1, "filter.refined_share",
           "0 up to, not including, 1");
   require(filter.tail_share >= 0 && filter.tail_share < 1, "filter.tail_share",
@@ -268,8 +272,8 @@ void Parameters::validate() const {
   require(not_negative(search.keyframe_angle_deg), "search.keyframe_angle_deg", "zero or more");
   require(not_negative(search.keyframe_period), "search.keyframe_period", "zero or more");
   require(search.min_keyframes >= 1, "search.min_keyframes", "at least 1");
-  require(search.window >= search.min_keyframes && search.window <= 1000, "search.window",
-          "search.min_keyframes to 1000");
+  require(search.window >= std::max(2, search.min_keyframes) && search.window <= 1000,
+          "search.window", "2 or search.min_keyframes to 1000");
   require(share(search.line_correlation), "search.line_correlation", "0 to 1");
   require(not_negative(search.min_margin), "search.min_margin", "zero or more");
   require(std::isfinite(search.min_evidence), "search.min_evidence", "a number");

@@ -3,8 +3,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <limits>
+#include <string>
 #include <vector>
 
+#include "edge_mcl/core/error.h"
 #include "edge_mcl/core/table_kernel.h"
 
 namespace edge_mcl {
@@ -16,6 +19,14 @@ static_assert(kCell == 8, "lookUpByCell works on eight pixels");
 
 }  // namespace
 
+void ScoreTable::checkSize(int width, int height, int bins) {
+  const double bytes = 2.0 * bins * (height + 1.0) * (width + 1.0);
+  if (bytes >= std::numeric_limits<int32_t>::max())
+    throw InputError("an image of " + std::to_string(width) + "x" + std::to_string(height) +
+                     " pixels is too large for " + std::to_string(bins) +
+                     " directions (image.orientation_bins): reduce either");
+}
+
 ScoreTable::ScoreTable(const EdgeField& field, const ScoreLevels& levels)
     : width_(field.width()),
       height_(field.height()),
@@ -25,6 +36,7 @@ ScoreTable::ScoreTable(const EdgeField& field, const ScoreLevels& levels)
       offset_(levels.offset()),
       // One more element: the kernels read two neighbours at once, beyond the last column too.
       pairs_(static_cast<size_t>(bins_) * rows() * stride() + 1) {
+  checkSize(width_, height_, bins_);
   const size_t plane = static_cast<size_t>(rows()) * stride();
   pairs_[bins_ * plane] = 0;
   // Eight rows share their densities of clutter; all bins of a row at once stay in the caches.

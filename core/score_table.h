@@ -17,7 +17,10 @@ namespace edge_mcl {
 /// between them; a row and a column more than the image has spare them the border.
 class ScoreTable {
  public:
+  /// @throws InputError, see checkSize.
   ScoreTable(const EdgeField& field, const ScoreLevels& levels);
+  /// @throws InputError where the table would be too large for the kernels' 32-bit offsets.
+  static void checkSize(int width, int height, int bins);
 
   int width() const { return width_; }
   int height() const { return height_; }

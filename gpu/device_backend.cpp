@@ -4,6 +4,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cstring>
+#include <new>
 #include <optional>
 
 #include "edge_mcl/gpu/cell_packing.h"
@@ -77,16 +79,16 @@ const gpu::TableRecipe& DeviceBackend::recipeFor(const Picture& picture) const {
 int DeviceBackend::imageOf(const LikelihoodFrame& frame) const {
   const std::shared_ptr<const void> owner =
       frame.table ? std::shared_ptr<const void>(frame.table) : frame.picture;
+  const gpu::Camera camera = gpu::cameraOf(frame.camera);
   int oldest = 0;
   for (int i = 0; i < gpu::ScoringEngine::kImages; ++i) {
-    if (held_[i].owner == owner) {
+    if (held_[i].owner == owner && std::memcmp(&held_[i].camera, &camera, sizeof camera) == 0) {
       held_[i].used = ++calls_;
       return i;
     }
     if (held_[i].used < held_[oldest].used) oldest = i;
   }
   held_[oldest] = {};
-  const gpu::Camera camera = gpu::cameraOf(frame.camera);
   if (frame.table || !gpu::canMakeTables(frame.picture->params())) {
     const std::shared_ptr<const ScoreTable> t = frame.tableHere();
     engine_->setTable(oldest, camera, gpu::tableOf(*t), t->pairs(), t->pairCount());
@@ -94,23 +96,27 @@ int DeviceBackend::imageOf(const LikelihoodFrame& frame) const {
     engine_->setPicture(oldest, camera, gpu::tableOf(*frame.picture), recipeFor(*frame.picture),
                         gpu::dataOf(*frame.picture));
   }
-  held_[oldest] = {owner, ++calls_};
+  held_[oldest] = {owner, ++calls_, camera};
   return oldest;
 }
 
 void DeviceBackend::addCells(std::vector<CellKey> keys, uint32_t thinning) const {
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  std::vector<gpu::CellData> data(keys.size());
-  tbb::parallel_for(size_t{0}, keys.size(), [&](size_t i) {
-    data[i] =
-        gpu::packCell(*visibility_->cached(keys[i]), visibility_->cellCentre(keys[i]), thinning);
-  });
-  for (size_t i = 0; i < keys.size(); ++i) {
-    cells_.emplace(CellName{keys[i], thinning},
-                   engine_->addCell(data[i].cell, data[i].chunks.data(), data[i].samples.data()));
-    cell_bytes_ +=
-        data[i].chunks.size() * sizeof(gpu::Chunk) + data[i].samples.size() * sizeof(gpu::Sample);
+  // Packed they take many times the memory that they take in the cache.
+  constexpr size_t kAtOnce = 256;
+  for (size_t first = 0; first < keys.size(); first += kAtOnce) {
+    std::vector<gpu::CellData> data(std::min(kAtOnce, keys.size() - first));
+    tbb::parallel_for(size_t{0}, data.size(), [&](size_t i) {
+      const CellKey& key = keys[first + i];
+      data[i] = gpu::packCell(*visibility_->cached(key), visibility_->cellCentre(key), thinning);
+    });
+    for (size_t i = 0; i < data.size(); ++i) {
+      cells_.emplace(CellName{keys[first + i], thinning},
+                     engine_->addCell(data[i].cell, data[i].chunks.data(), data[i].samples.data()));
+      cell_bytes_ +=
+          data[i].chunks.size() * sizeof(gpu::Chunk) + data[i].samples.size() * sizeof(gpu::Sample);
+    }
   }
 }
 
@@ -153,17 +159,18 @@ void DeviceBackend::fill(const std::vector<Pose>& poses, uint32_t thinning, size
 std::vector<PoseScore> DeviceBackend::evaluateOnDevice(const LikelihoodFrame& frame,
                                                        const std::vector<Pose>& poses) const {
   const int image = imageOf(frame);
-  if (cell_bytes_ > kMostCellBytes) {
-    engine_->clearCells();
-    cells_.clear();
-    cell_bytes_ = 0;
-  }
   const gpu::Rule rule = gpu::ruleOf(frame);
   const gpu::Combination combination = gpu::combinationOf(frame.params);
   gpu::Particle* particles = engine_->particles(poses.size());
   const size_t batch = batchFor(poses.size());
   for (size_t first = 0; first < poses.size(); first += batch) {
     const size_t last = std::min(poses.size(), first + batch);
+    if (cell_bytes_ > kMostCellBytes) {
+      engine_->wait();
+      engine_->clearCells();
+      cells_.clear();
+      cell_bytes_ = 0;
+    }
     fill(poses, frame.thinning, first, last, particles);
     engine_->submit(image, rule, combination, first, last - first);
   }
@@ -197,6 +204,8 @@ std::vector<PoseScore> DeviceBackend::evaluate(const LikelihoodFrame& frame,
       if (engine_ && !visibility_->exactMode()) return evaluateOnDevice(frame, camera_poses);
     } catch (const gpu::DeviceError& e) {
       giveUp(e);
+    } catch (const std::bad_alloc&) {
+      giveUp(gpu::DeviceError("no memory to prepare the model for the device"));
     }
   }
   return fallback_.evaluate(frame, camera_poses);

@@ -39,6 +39,7 @@ class DeviceBackend : public LikelihoodBackend {
   struct Held {
     std::shared_ptr<const void> owner;
     uint64_t used = 0;  ///< when, in calls
+    gpu::Camera camera{};
   };
   struct Recipe {
     std::shared_ptr<const ScoreLevels> levels;

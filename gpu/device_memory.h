@@ -12,8 +12,16 @@
 namespace edge_mcl::gpu {
 
 inline void check(cudaError_t status, const char* call) {
-  if (status != cudaSuccess)
-    throw DeviceError(std::string("CUDA: ") + call + ": " + cudaGetErrorString(status));
+  if (status == cudaSuccess) return;
+  // Else the next engine of this thread would take it for its own, at its first kernel.
+  (void)cudaGetLastError();
+  throw DeviceError(std::string("CUDA: ") + call + ": " + cudaGetErrorString(status));
+}
+
+/// Waits for what DeviceArray has copied: cudaMemcpy returns when it has read the host's memory,
+/// and streams that do not block may run before all of it has arrived.
+inline void finishCopies() {
+  check(cudaStreamSynchronize(cudaStreamLegacy), "cudaStreamSynchronize");
 }
 
 /// Device array that only grows; contents survive growth.
@@ -44,7 +52,7 @@ class DeviceArray {
     reserve(count);
     size_ = count;
   }
-  /// Copies to the end, synchronously.
+  /// Copies to the end; before a kernel reads it: finishCopies().
   void append(const T* from, size_t count) {
     const size_t at = size_;
     reserve(at + count);

@@ -204,7 +204,10 @@ Engine::Engine() {
   impl_ = std::make_unique<Impl>();
   int device = 0;
   check(cudaGetDevice(&device), "cudaGetDevice");
+  const cudaDeviceProp& p = impl_->properties;
   check(cudaGetDeviceProperties(&impl_->properties, device), "cudaGetDeviceProperties");
+  if (p.major * 10 + p.minor < 75)
+    throw DeviceError("CUDA: " + deviceName() + ", at least 7.5 is needed");
 }
 
 Engine::~Engine() {
@@ -237,6 +240,7 @@ uint32_t Engine::addCell(Cell cell, const Chunk* chunks, const Sample* samples) 
   m.chunks.append(chunks, cell.chunk_count);
   m.samples.append(samples, static_cast<size_t>(cell.chunk_count) * kLanes);
   m.cells.append(&cell, 1);
+  finishCopies();
   return static_cast<uint32_t>(m.cells.size() - 1);
 }
 

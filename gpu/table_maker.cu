@@ -239,6 +239,7 @@ void TableMaker::prepare(const TableRecipe& recipe) {
   w.codes = codes_.data();
   reach_ = 0;
   for (const DirectionBin& d : recipe.directions) reach_ = std::max(reach_, reachOf(d.no_edge));
+  finishCopies();
   recipe_ = &recipe;
 }
 

@@ -239,6 +239,7 @@ int soak(const Workload& w, Engine* engine) {
 
 int run(const std::string& mode, const std::string& file) {
   const Workload w = readWorkload(file);
+  if (w.particles.empty()) throw std::runtime_error(file + ": no particles in it");
   if (mode == "emulate") {
     bool good = true;
     if (hasPicture(w)) {

@@ -334,15 +334,21 @@ SearchReport GlobalLocalizer::judge() const {
   const std::vector<double> weights = normalize(totals);
   for (size_t i = 0; i < weights.size(); ++i) report.clusters[i].weight = weights[i];
   report.margin = best.total - next;
-  int with_depth = 0;
+  int with_image = 0, with_depth = 0;
   for (const FoundPose& f : best.history) {
-    report.evidence += f.evidence / static_cast<double>(best.history.size());
-    report.match_ratio += f.match_ratio / static_cast<double>(best.history.size());
-    if (f.depth_agreement < 0) continue;
-    report.depth_agreement += f.depth_agreement;
-    ++with_depth;
+    if (f.match_ratio >= 0) {
+      report.evidence += f.evidence;
+      report.match_ratio += f.match_ratio;
+      ++with_image;
+    }
+    if (f.depth_agreement >= 0) {
+      report.depth_agreement += f.depth_agreement;
+      ++with_depth;
+    }
   }
-  if (with_depth > 0) report.depth_agreement /= with_depth;
+  report.evidence /= std::max(1, with_image);
+  report.match_ratio /= std::max(1, with_image);
+  report.depth_agreement /= std::max(1, with_depth);
   report.estimate.mean = best.pose;
   // Along a bare wall a pose that explains all may still be anywhere.
   constexpr double kPosition = 0.05, kAngle = 1.5 * kDegree;
@@ -351,7 +357,7 @@ SearchReport GlobalLocalizer::judge() const {
   report.estimate.covariance.diagonal().tail<3>().array() += kAngle * kAngle;
   double min_margin = p.min_margin;
   bool explained = true;
-  if (map_.usesImages()) {
+  if (with_image > 0) {
     // Where much of the model is not seen in the images, the rest must tell more.
     constexpr double kLeastRatio = 0.3;
     const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));

@@ -12,6 +12,14 @@
 
 namespace edge_mcl {
 
+namespace {
+
+/// After a short darkness the first image that fits will do. Later odometry may have drifted (0.1
+/// m/s are not rare) to where one that fits is a shelf beside the truth.
+constexpr double kBlindly = 3;  // s
+
+}  // namespace
+
 LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map, bool search_in_background)
     : map_(std::move(map)),
       tracking_(map_->params().tracking),
@@ -25,6 +33,7 @@ void LiveLocalizer::begin() {
   fresh_ = true;
   odometry_of_update_.reset();
   trusted_at_.reset();
+  trusted_ = false;
   searching_ = false;
   mask_lifter_.forget();
   proof_.begin(isSpreadWide());
@@ -80,6 +89,7 @@ void LiveLocalizer::searchEverywhere() {
   state_ = LocalizerState::kSearching;
   odometry_of_update_.reset();
   trusted_at_.reset();
+  trusted_ = false;
   beginSearch(false);
 }
 
@@ -113,7 +123,9 @@ bool LiveLocalizer::agreesWith(const SearchReport& report) const {
 }
 
 bool LiveLocalizer::weigh(double time, const LiveResult& result) {
-  return proof_.weigh({time, result.updated, isConfirmed(result), result.match_ratio,
+  // Judged by depth alone, an image lacks nothing.
+  const double ratio = result.report.used_samples > 0 ? result.match_ratio : 1;
+  return proof_.weigh({time, result.updated, isConfirmed(result), ratio,
                        static_cast<double>(result.report.visible_lines)},
                       filter_.estimate());
 }
@@ -148,10 +160,14 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
   // A pose that was just given holds for the first image after it.
   if (last_time_ && !result->restarted) {
     const double dt = input.time - *last_time_;
+    // Nobody knows what happened in a time without images; a camera may be slow, though.
+    const bool is_gap = last_interval_ > 0 && dt > kBlindly && dt > 3 * last_interval_;
+    if (is_gap && initial_ && !fresh_) proof_.interrupt(!input.odometry || !last_odometry_);
+    last_interval_ = dt;
     std::optional<Pose> increment;
     if (input.odometry && last_odometry_)
       increment = normalized(last_odometry_->inverse() * *input.odometry);
-    if (searching_) finder_->move(BaseMotion::of(map_->params().filter, increment, dt));
+    if (searching_ && !fresh_) finder_->move(BaseMotion::of(map_->params().filter, increment, dt));
     if (initial_ && !fresh_) {
       const Pose before = filter_.estimate().mean;
       const FilterParameters& p = map_->params().filter;
@@ -159,7 +175,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
         filter_.predictWithOdometry(*increment, dt);
         proof_.move(*increment, odometryNoise(p, *increment, dt));
       } else {
-        filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap));
+        filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap), dt);
         // Where it flies on at its velocity the pose is expected, too.
         proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
       }
@@ -312,6 +328,7 @@ bool LiveLocalizer::showWhatIsNotInView(const std::vector<CameraView>& views) {
 void LiveLocalizer::judge(double time, bool trusted, bool used) {
   const TrackingParameters& p = tracking_;
   if (!trusted_at_ || trusted) trusted_at_ = time;
+  trusted_ = trusted;
   if (trusted) {
     const Twist variance = filter_.estimate().covariance.diagonal();
     const double degree = M_PI / 180;
@@ -346,7 +363,7 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
 
 void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
   if (isInitialized() && !searching_ && !hasMoved(input)) {
-    if (trusted_at_) trusted_at_ = input.time;  // at rest there is nothing to lose
+    if (trusted_) trusted_at_ = input.time;  // at rest there is nothing to lose
     return;
   }
   std::string problem;
@@ -366,9 +383,6 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     learnUnderMasks(input, result->updated);
     if (trusted) searching_ = false;
     if (state_ == LocalizerState::kLost) {
-      // After a short darkness the first image that fits will do. Later odometry may have drifted
-      // (0.1 m/s are not rare) to where one that fits is a shelf beside the truth.
-      constexpr double kBlindly = 3;  // s
       const bool contradicted =
           result->updated ? !confirmed : !searching_ && showWhatIsNotInView(views);
       const bool astray = isSpreadWide() || input.time - *trusted_at_ > kBlindly;

@@ -108,7 +108,7 @@ void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
   since_last_estimate_ += dt;
 }
 
-void PoseFilter::predictWithoutOdometry(double dt) {
+void PoseFilter::predictWithoutOdometry(double dt, std::optional<double> elapsed) {
   if (!std::isfinite(dt) || dt < 0) throw InputError("filter: the time step is not positive");
   resampleIfNeeded();
   const Pose increment = expSe3(velocity_ * dt);
@@ -116,7 +116,7 @@ void PoseFilter::predictWithoutOdometry(double dt) {
   for (Pose& pose : poses_) pose = pose * increment;
   addNoise(walkNoise(params_, dt));
   moveEstimate(increment, noise_before);
-  since_last_estimate_ += dt;
+  since_last_estimate_ += elapsed.value_or(dt);
 }
 
 bool PoseFilter::correctTilt(const UpReading& reading) {
@@ -152,12 +152,11 @@ void PoseFilter::trackVelocity() {
 namespace {
 
 /// Every so many-th index: neighbours stem from one ancestor, so this takes the same share from
-/// each. @param phase in [0, 1), so that two selections differ.
-std::vector<size_t> evenShare(size_t n, double share, double phase) {
+/// each.
+std::vector<size_t> evenShare(size_t n, double share) {
   std::vector<size_t> chosen;
   for (size_t i = 0; i < n; ++i)
-    if (std::floor(share * static_cast<double>(i + 1) + phase) >
-        std::floor(share * static_cast<double>(i) + phase))
+    if (std::floor(share * static_cast<double>(i + 1)) > std::floor(share * static_cast<double>(i)))
       chosen.push_back(i);
   return chosen;
 }
@@ -171,7 +170,15 @@ double PoseFilter::shareToInject() const {
 }
 
 void PoseFilter::drawTails(const PredictiveDensity& predictive, double share) {
-  for (size_t i : evenShare(poses_.size(), share, 0.5)) poses_[i] = predictive.drawTail(&random_);
+  // The same share of those that are redrawn later as of those that are not, or the latter would
+  // hold more tails than their density says.
+  std::vector<size_t> kept, redrawn = evenShare(poses_.size(), params_.refined_share);
+  if (!refinement_.enabled) redrawn.clear();
+  for (size_t i = 0; i < poses_.size(); ++i)
+    if (!std::binary_search(redrawn.begin(), redrawn.end(), i)) kept.push_back(i);
+  for (const std::vector<size_t>* part : {&kept, &redrawn})
+    for (const size_t k : evenShare(part->size(), share))
+      poses_[(*part)[k]] = predictive.drawTail(&random_);
 }
 
 void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
@@ -190,7 +197,7 @@ void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>
     report->refinement_ms += millisecondsSince(start);
     report->refined_modes = static_cast<int>(modes.size());
     if (!modes.empty()) {
-      const std::vector<size_t> redrawn = evenShare(n, share, 0);
+      const std::vector<size_t> redrawn = evenShare(n, share);
       std::vector<Pose> fresh;
       for (size_t k = 0; k < redrawn.size(); ++k)
         fresh.push_back(modes.mode(k % modes.size()).draw(&random_));
@@ -264,14 +271,20 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
                                       const PoseGaussian& cloud,
                                       const PredictiveDensity& predictive, UpdateReport* report) {
   const auto start = Clock::now();
-  const RefinementResult sharp = map.refine(views, cloud.mean, predictive.componentOf(cloud.mean));
+  RefinementResult sharp;
+  if (refinement_.enabled)
+    sharp = map.refine(views, cloud.mean, predictive.componentOf(cloud.mean));
+  const std::vector<PoseScore> compared =
+      map.evaluate(views, refinement_.enabled ? std::vector<Pose>{cloud.mean, sharp.pose}
+                                              : std::vector<Pose>{cloud.mean});
+  const bool is_better =
+      refinement_.enabled && compared[1].log_likelihood + predictive.log(sharp.pose) >=
+                                 compared[0].log_likelihood + predictive.log(cloud.mean);
+  if (!is_better) sharp = map.match(views, cloud.mean);
   report->refinement_ms += millisecondsSince(start);
   report->matched_samples = sharp.matched_samples;
   report->used_samples = sharp.used_samples;
-  const std::vector<PoseScore> compared = map.evaluate(views, {cloud.mean, sharp.pose});
-  if (compared[1].log_likelihood + predictive.log(sharp.pose) <
-      compared[0].log_likelihood + predictive.log(cloud.mean))
-    return compared[0];
+  if (!is_better) return compared[0];
   // The cloud's spread, seen from the refined pose: tempering makes it a cautious figure.
   const Twist shift = logSe3(sharp.pose.inverse() * cloud.mean);
   estimate_.mean = sharp.pose;
@@ -354,15 +367,13 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
     spreadCopies(estimate_);
   }
   const PoseScore at_estimate =
-      refinement_.enabled && report.has_information
+      report.has_information
           ? sharpenEstimate(map, views, PoseGaussian(estimate_), *predictive, &report)
           : map.evaluate(views, {estimate_.mean}).front();
   report.log_likelihood = at_estimate.log_likelihood;
   report.visible_samples = at_estimate.sample_weight;
   report.visible_lines = at_estimate.line_count;
-  report.evidence_per_line = scorePerLine(
-      map.params().likelihood, at_estimate.log_likelihood - at_estimate.depth_log_likelihood,
-      at_estimate.line_count);
+  report.evidence_per_line = at_estimate.scorePerLine();
   report.depth_points = static_cast<int>(at_estimate.depth_points);
   if (at_estimate.depth_points > 0)
     report.depth_agreement =

@@ -58,8 +58,8 @@ class PoseFilter {
   /// @param increment motion of the base since the last step, in its own frame. @param dt seconds.
   /// @throws Error on an increment that is not finite.
   void predictWithOdometry(const Pose& increment, double dt);
-  /// Constant velocity with noise.
-  void predictWithoutOdometry(double dt);
+  /// Constant velocity with noise. @param elapsed where more time has passed than is predicted over
+  void predictWithoutOdometry(double dt, std::optional<double> elapsed = std::nullopt);
 
   /// Uses a reading of roll and pitch. @return false when it contradicts the particles, and is left
   /// out. @throws InputError when it is not finite.

@@ -62,8 +62,10 @@ bool PoseProof::showsLess(const ImageVerdict& image) const {
 void PoseProof::trust(const ImageVerdict& image, const PoseGaussian& estimate) {
   constexpr double kSpacing = 0.25, kOldest = 1;  // s
   constexpr double kNewest = 0.2;                 // weight in the mean
-  if (usual_ratio_ == 0) usual_ratio_ = image.match_ratio;
-  usual_ratio_ += kNewest * (image.match_ratio - usual_ratio_);
+  if (image.lines > 0) {
+    if (usual_ratio_ == 0) usual_ratio_ = image.match_ratio;
+    usual_ratio_ += kNewest * (image.match_ratio - usual_ratio_);
+  }
   expected_ = estimate;
   if (anchors_.empty() || image.time >= anchors_.back().time + kSpacing)
     anchors_.push_back({image.time, estimate});

@@ -34,6 +34,11 @@ class PoseProof {
     needed_ = true;
     anywhere_ = anywhere_ || anywhere;
   }
+  /// A time without any image: what fitted before it says little of what fits now.
+  void interrupt(bool anywhere) {
+    require(anywhere);
+    since_.reset();
+  }
   bool isNeeded() const { return needed_; }
   /// Images in a row that fitted, up to the last one.
   int confirmations() const { return since_ ? images_ : 0; }

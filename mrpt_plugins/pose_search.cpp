@@ -9,6 +9,7 @@
 #include "edge_mcl/core/cpu_backend.h"
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/main_directions.h"
+#include "edge_mcl/mrpt_plugins/mode_proposal.h"
 
 namespace edge_mcl {
 
@@ -244,13 +245,13 @@ std::vector<Pose> PoseSearch::around(const std::vector<CameraView>& views,
                                      RandomSource* random) {
   constexpr size_t kPlaces = 150, kPerPlace = 10;
   const SmallViews small = reduce(views);
-  const Matrix6 factor = guess.covariance.llt().matrixL();
+  const GaussianDensity density(guess);
   std::vector<Start> starts(kPlaces * kPerPlace);
   for (size_t k = 0; k < kPlaces; ++k) {
-    const Pose first = guess.mean * expSe3(factor * random->normalTwist());
+    const Pose first = density.draw(random);
     const Eigen::Vector3d camera = (first * views.front().T_base_camera).translation();
     for (size_t i = 0; i < kPerPlace; ++i) {
-      const Pose drawn = guess.mean * expSe3(factor * random->normalTwist());
+      const Pose drawn = density.draw(random);
       starts[k * kPerPlace + i].pose = baseAt(camera, drawn.linear(), views.front().T_base_camera);
     }
   }

@@ -73,9 +73,14 @@ FoundPose PoseSharpener::sharpen(const SearchViews& seen, const Pose& start,
   FoundPose found;
   found.pose = result.pose;
   found.covariance = result.covariance;
-  if (result.used_samples > 0)
-    found.match_ratio = static_cast<double>(result.matched_samples) / result.used_samples;
-  double by_images = 0, lines = 0, points = 0, on_model = 0;
+  const bool has_image = std::any_of(views.begin(), views.end(),
+                                     [](const CameraView& v) { return v.image != nullptr; });
+  if (has_image)
+    found.match_ratio =
+        static_cast<double>(result.matched_samples) / std::max(1, result.used_samples);
+  const LikelihoodParameters& tracking = map_.params().likelihood;
+  const LikelihoodParameters searching = searchLikelihood(map_.params());
+  double line_scores = 0, lines = 0, points = 0, on_model = 0;
   double contours = 0;  // pixels
   double widest = kContourWidth;
   for (size_t v = 0; v < views.size(); ++v) {
@@ -87,8 +92,13 @@ FoundPose PoseSharpener::sharpen(const SearchViews& seen, const Pose& start,
       if (!isNear(found.pose, start, kMoved, kTurnInView))
         refined[v].visible = visibleFrom(found.pose, views[v]);
       const PoseScore s = evaluateWithVisibleSet(frame, *refined[v].visible, {camera}).front();
-      by_images += s.log_likelihood;
-      lines += static_cast<double>(s.line_count);
+      const auto count = static_cast<double>(s.line_count);
+      const double of_image = scorePerLine(tracking, s.log_likelihood, count) * count;
+      found.log_likelihood += tracking.model == LikelihoodModel::kRobust
+                                  ? combineLines(searching, of_image, count)
+                                  : s.log_likelihood;
+      line_scores += of_image;
+      lines += count;
       widest = std::max(widest, static_cast<double>(frame.camera.width));
       const ContourMatch match =
           seen.contours[v]->compare(*refined[v].visible, frame.camera, camera, frame.sample_step);
@@ -102,11 +112,7 @@ FoundPose PoseSharpener::sharpen(const SearchViews& seen, const Pose& start,
       on_model += static_cast<double>(views[v].depth->count) * static_cast<double>(s.agreement);
     }
   }
-  found.evidence = scorePerLine(map_.params().likelihood, by_images, lines);
-  found.log_likelihood +=
-      map_.params().likelihood.model == LikelihoodModel::kRobust
-          ? combineLines(searchLikelihood(map_.params()), found.evidence * lines, lines)
-          : by_images;
+  found.evidence = lines > 0 ? line_scores / lines : 0;
   found.log_likelihood += kNatsPerContourPixel * kContourWidth / widest * contours;
   if (points > 0) found.depth_agreement = on_model / points;
   return found;

@@ -17,7 +17,8 @@ struct FoundPose {
   Matrix6 covariance = Matrix6::Zero();  ///< of the refinement, with its prior; tangent space
   double log_likelihood = 0;
   double evidence = 0;          ///< per line, see UpdateReport::evidence_per_line
-  double match_ratio = 0;       ///< share of the visible samples with an image edge in reach
+  double match_ratio = -1;      ///< share of the visible samples with an image edge in reach;
+                                ///< negative: there was no image
   double depth_agreement = -1;  ///< share of the depth points on the model; negative: none used
 };
 

@@ -1,8 +1,16 @@
-# Sets CMAKE_CUDA_COMPILER where nvcc is found.
+# Sets CMAKE_CUDA_COMPILER where an nvcc of CUDA 11 or newer is found, or is named by the environment.
+if(NOT CMAKE_CUDA_COMPILER AND DEFINED ENV{CUDACXX})
+  set(CMAKE_CUDA_COMPILER "$ENV{CUDACXX}")
+endif()
 if(NOT CMAKE_CUDA_COMPILER)
-  find_program(EDGE_MCL_NVCC nvcc HINTS ENV CUDA_PATH ENV CUDACXX PATHS /usr/local/cuda
-    PATH_SUFFIXES bin)
+  find_program(EDGE_MCL_NVCC nvcc HINTS ENV CUDA_PATH PATHS /usr/local/cuda PATH_SUFFIXES bin)
   if(EDGE_MCL_NVCC)
-    set(CMAKE_CUDA_COMPILER "${EDGE_MCL_NVCC}")
+    execute_process(COMMAND "${EDGE_MCL_NVCC}" --version OUTPUT_VARIABLE EDGE_MCL_NVCC_VERSION
+      ERROR_QUIET)
+    if(EDGE_MCL_NVCC_VERSION MATCHES "release ([0-9]+)" AND CMAKE_MATCH_1 GREATER_EQUAL 11)
+      set(CMAKE_CUDA_COMPILER "${EDGE_MCL_NVCC}")
+    else()
+      message(STATUS "${EDGE_MCL_NVCC} is not of CUDA 11 or newer, not used")
+    endif()
   endif()
 endif()

@@ -75,6 +75,34 @@ TEST(CameraModel, PointsBeyondTheMonotonePartDoNotFoldBack) {
   EXPECT_FALSE(camera.project({0, 0, -1}, &pixel));
 }
 
+TEST(CameraModel, BeyondAPoleOfTheRationalModelNothingIsSeen) {
+  // 1 / (1 - 0.01 r^6) has its pole at r = 2.15; beyond, points would come out mirrored.
+  const CameraModel camera = withDistortion("rational_polynomial", {0, 0, 0, 0, 0, 0, 0, -0.01});
+  Eigen::Vector2d pixel;
+  EXPECT_TRUE(camera.project({0.5, 0, 1}, &pixel));
+  EXPECT_FALSE(camera.project({2.8, 0, 1}, &pixel));
+  EXPECT_FALSE(camera.project({4.3, 0, 1}, &pixel));
+}
+
+TEST(CameraModel, WhatIsProjectedLiesInTheConeOfTheView) {
+  CameraModel camera = withDistortion("equidistant", {0, 0, 0, 0});
+  camera.fx = camera.fy = 180;
+  camera.validate("wide");
+  double widest = 0;
+  for (int i = 0; i < 360; ++i)
+    for (double angle = 0; angle < M_PI / 2; angle += 0.002) {
+      const double a = i * M_PI / 180;
+      Eigen::Vector2d pixel;
+      if (camera.project(
+              {std::sin(angle) * std::cos(a), std::sin(angle) * std::sin(a), std::cos(angle)},
+              &pixel) &&
+          camera.contains(pixel))
+        widest = std::max(widest, angle);
+    }
+  EXPECT_GT(widest, 1.5);
+  EXPECT_LE(widest, camera.view.angle);
+}
+
 TEST(CameraModel, AMissingKeyIsNamed) {
   const std::string file = testing::TempDir() + "camera_missing_key.yaml";
   std::ofstream(file)

@@ -6,10 +6,18 @@
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/image_edges.h"
 #include "edge_mcl/core/random_source.h"
+#include "edge_mcl/core/score_table.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {
 namespace {
+
+// The kernels' offsets into the table are 32 bits wide.
+TEST(ScoreTable, OneThatIsTooLargeIsRefused) {
+  ScoreTable::checkSize(5472, 3648, 12);
+  EXPECT_THROW(ScoreTable::checkSize(5472, 3648, 64), InputError);
+  EXPECT_THROW(ScoreTable::checkSize(12000, 9000, 12), InputError);
+}
 
 /// A dark disc on a bright ground with exact area coverage by supersampling.
 cv::Mat disc(double contrast, double brightness, double noise, uint64_t seed) {

@@ -30,6 +30,19 @@ TEST(Parameters, AnUnknownNameNamesTheNearestOne) {
   EXPECT_NE(text.find("likelihood.sigma"), std::string::npos) << text;
 }
 
+TEST(Parameters, WhatWouldStopTheFilterOrTheSearchIsRefused) {
+  Parameters params;
+  params.search.min_keyframes = params.search.window = 1;  // nothing to follow from
+  EXPECT_NE(messageOf([&] { params.validate(); }).find("search.window"), std::string::npos);
+  params.search.window = 2;
+  // With refinement particles are always resampled; without, tempering would end below this.
+  params.filter.resample_threshold = 0.05;
+  params.validate();
+  params.refinement.enabled = false;
+  EXPECT_NE(messageOf([&] { params.validate(); }).find("filter.resample_threshold"),
+            std::string::npos);
+}
+
 TEST(Parameters, ValidateListsAllFaultsAtOnce) {
   Parameters params;
   params.likelihood.sigma = -1;

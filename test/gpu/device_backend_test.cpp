@@ -136,6 +136,20 @@ TEST_F(DeviceBackendTest, MakesTheTablesItself) {
     }
 }
 
+TEST_F(DeviceBackendTest, ATableIsScoredWithTheFramesOwnCamera) {
+  const DeviceBackend device("test", std::make_unique<gpu::EmulatedEngine>(),
+                             map_.sharedVisibility(), {});
+  const CpuBackend cpu(map_.sharedVisibility());
+  LikelihoodFrame frame = prepare()->frame;
+  const std::vector<Pose> poses = cloud(40, 9);
+  device.evaluate(frame, poses);
+  frame.camera.fx *= 1.1;
+  frame.camera.validate("zoomed");
+  const auto a = device.evaluate(frame, poses), b = cpu.evaluate(frame, poses);
+  for (size_t i = 0; i < poses.size(); ++i)
+    EXPECT_NEAR(a[i].log_likelihood, b[i].log_likelihood, 1e-3);
+}
+
 TEST_F(DeviceBackendTest, CamerasOfDifferentSizesTakeTurns) {
   const CpuBackend cpu(map_.sharedVisibility());
   map_.setBackend(std::make_unique<DeviceBackend>("test", std::make_unique<gpu::EmulatedEngine>(),

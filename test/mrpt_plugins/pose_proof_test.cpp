@@ -48,6 +48,21 @@ TEST_F(Followed, ABadStartTakesASecond) {
   EXPECT_TRUE(image(0));
 }
 
+TEST_F(Followed, WhatFittedBeforeAGapDoesNotCount) {
+  proof_.begin(true);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(image(0));
+  proof_.interrupt(false);
+  time_ += 10;
+  EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
+}
+
+TEST_F(Followed, ImagesJudgedByDepthAloneMakeLinesNoLessUsual) {
+  proof_.begin(false);
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0, true, 4, 0.7));
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0, true, 0, 1));
+  EXPECT_TRUE(image(0, true, 4, 0.7));
+}
+
 TEST_F(Followed, AfterTwoDoubtsOneImageIsChance) {
   proof_.begin(false);
   EXPECT_TRUE(image(0));
