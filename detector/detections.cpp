@@ -4,8 +4,18 @@
 
 namespace edge_mcl {
 
+namespace {
+constexpr int kLargestDisc = 32;  // above it the disc's area costs more than a distance per pixel
+}  // namespace
+
 void dilateMask(int pixels, cv::Mat* mask) {
   if (pixels <= 0) return;
+  if (pixels > kLargestDisc) {
+    cv::Mat distance;
+    cv::distanceTransform(*mask == 0, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    *mask = distance <= pixels;
+    return;
+  }
   const cv::Mat disc =
       cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * pixels + 1, 2 * pixels + 1});
   cv::dilate(*mask, *mask, disc);

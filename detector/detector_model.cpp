@@ -1,6 +1,7 @@
 #include "edge_mcl/detector/detector_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -66,6 +67,10 @@ class Keys {
     std::vector<std::string> known;
     for (const auto& [key, reader] : readers_) known.push_back(key);
     for (const auto& entry : root) {
+      if (!entry.first.IsScalar()) {
+        faults_.emplace_back("a key that is no name");
+        continue;
+      }
       const auto key = entry.first.as<std::string>();
       const auto found = readers_.find(key);
       if (found == readers_.end()) {
@@ -110,6 +115,12 @@ DetectorModel DetectorModel::fromYamlFile(const std::string& file) {
   require(m.width >= 8 && m.width <= 8192 && m.height >= 8 && m.height <= 8192,
           "width and height must be 8 to 8192");
   require(order == "bgr" || order == "rgb", "colors must be bgr or rgb");
+  const auto finite = [](double v) { return std::isfinite(v); };
+  require(std::all_of(m.mean.begin(), m.mean.end(), finite), "mean must be finite");
+  require(std::all_of(m.scale.begin(), m.scale.end(),
+                      [](double v) { return std::isfinite(v) && v != 0; }),
+          "scale must be finite and not 0");
+  require(std::isfinite(m.padding), "padding must be finite");
   require(m.score_threshold > 0 && m.score_threshold < 1, "score_threshold must be in (0, 1)");
   require(!m.classes.empty(), "'classes' is missing");
   require(std::all_of(m.strides.begin(), m.strides.end(), [](int s) { return s > 0; }),

@@ -57,10 +57,12 @@ MaskDetector::MaskDetector(const DetectorModel& model, const DetectorParameters&
   if (names.empty())
     throw ParameterError("model " + model.name +
                          " calls no class movable: name some in ignore_classes");
-  for (const std::string& name : names)
-    ignored_[static_cast<size_t>(model.classNumber(name))] = true;
+  for (const std::string& name : names)  // which several classes may have
+    for (auto c = static_cast<size_t>(model.classNumber(name)); c < ignored_.size(); ++c)
+      if (model.classes[c] == name) ignored_[c] = true;
+  std::error_code unused;
   for (const std::string& file : {model.file, model.config_file})
-    if (!file.empty() && !std::filesystem::is_regular_file(file))
+    if (!file.empty() && !std::filesystem::is_regular_file(file, unused))
       throw InputError("model " + model.name + ": " + file +
                        " is missing (scripts/fetch_models fetches public models)");
   try {
@@ -127,6 +129,10 @@ std::vector<cv::Mat> MaskDetector::forward(const cv::Mat& input) {
   } catch (const cv::Exception& e) {
     throw InputError("model " + model_.name + ": cannot be run: " + e.what());
   }
+  // No comparison with a threshold holds for these: they would pass for nothing found.
+  for (const cv::Mat& output : outputs)
+    if (output.depth() == CV_32F && !cv::checkRange(output))
+      throw InputError("model " + model_.name + ": its output is not finite");
   return outputs;
 }
 

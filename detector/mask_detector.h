@@ -27,7 +27,8 @@ class MaskDetector {
 
   /// @param image CV_8UC3, blue green red, or CV_8U. @return objects of the ignored classes, each
   /// with its mask: pixels for a segmenting network, else all of its box.
-  /// @throws InputError on an empty image or one of another type.
+  /// @throws InputError on an empty image or one of another type, or when the network's output is
+  /// not finite.
   Detections detect(const cv::Mat& image);
 
   const DetectorTimes& times() const { return times_; }

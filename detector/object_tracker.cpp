@@ -17,6 +17,8 @@ constexpr int kSmallWidth = 320;      // what is finer than this, masks do not n
 constexpr double kSameObject = 0.3;   // overlap of masks from which two are one object
 constexpr double kSameColors = 0.75;  // likeness of colour histograms from which one is known again
 constexpr size_t kFewPoints = 5;
+constexpr double kJump = 1;  // s back from which the clock was set and the image is not just late
+constexpr double kPace = 15.0;  // images a second at which the loss of trust per image is meant
 
 cv::Matx23d chained(const cv::Matx23d& then, const cv::Matx23d& first) {
   cv::Matx23d m;
@@ -91,10 +93,16 @@ ObjectTracker::Frame ObjectTracker::smallFrame(const cv::Mat& image, double time
   return frame;
 }
 
-void ObjectTracker::advance(const cv::Mat& image, double time) {
+bool ObjectTracker::advance(const cv::Mat& image, double time) {
   if (image.empty() || (image.type() != CV_8UC3 && image.type() != CV_8UC1))
     throw InputError("object tracker: an image of 8 bits in colour or grey is needed");
-  if (image.size() != size_ || (!frames_.empty() && time <= frames_.back().time)) {
+  const bool first = frames_.empty();
+  if (!first && time <= frames_.back().time && time >= frames_.back().time - kJump)
+    throw InputError("object tracker: an image of " + std::to_string(time) +
+                     " s is not later than the one before, of " +
+                     std::to_string(frames_.back().time) + " s");
+  const bool anew = first || image.size() != size_ || time < frames_.back().time;
+  if (anew) {
     clear();
     size_ = image.size();
     small_size_ = size_;
@@ -105,13 +113,34 @@ void ObjectTracker::advance(const cv::Mat& image, double time) {
   Frame frame = smallFrame(image, time);
   if (!frames_.empty()) carry(frames_.back(), frame, &tracks_);
   frames_.push_back(std::move(frame));
-  if (frames_.size() > kHistory) frames_.pop_front();
+  forgetFrames();
   for (const Track& track : tracks_)
     if (confidence(track) < parameters_.min_confidence) forget(track);
   tracks_.erase(
       std::remove_if(tracks_.begin(), tracks_.end(),
                      [&](const Track& t) { return confidence(t) < parameters_.min_confidence; }),
       tracks_.end());
+  return anew;
+}
+
+void ObjectTracker::hold() {
+  if (frames_.empty()) return;
+  frames_.erase(frames_.begin(), frames_.end() - 1);
+  held_ = true;
+}
+
+void ObjectTracker::forgetFrames() {
+  if (frames_.size() <= kHistory) return;
+  if (!held_) {
+    frames_.pop_front();
+    return;
+  }
+  // The one whose neighbours are nearest to each other: gaps stay as small as they can be.
+  size_t least = 1;
+  const auto gapWithout = [&](size_t i) { return frames_[i + 1].time - frames_[i - 1].time; };
+  for (size_t i = 2; i + 1 < frames_.size(); ++i)
+    if (gapWithout(i) < gapWithout(least)) least = i;
+  frames_.erase(frames_.begin() + static_cast<std::ptrdiff_t>(least));
 }
 
 void ObjectTracker::carry(const Frame& from, const Frame& to, std::vector<Track>* tracks) const {
@@ -155,13 +184,13 @@ void ObjectTracker::carry(const Frame& from, const Frame& to, std::vector<Track>
   cv::Matx23d world(1, 0, 0, 0, 1, 0);
   double share = 1;
   const bool world_known = commonMotion(flows.back(), &world, &share);
+  const double paces = kPace * std::max(0.0, to.time - from.time);
   for (size_t k = 0; k < tracks->size(); ++k) {
     Track& track = (*tracks)[k];
     cv::Matx23d motion = world;
-    if (commonMotion(flows[k], &motion, &share))
-      track.trust *= 0.9 + 0.1 * share;
-    else
-      track.trust *= world_known ? 0.93 : 0.8;
+    double kept = world_known ? 0.93 : 0.8;
+    if (commonMotion(flows[k], &motion, &share)) kept = 0.9 + 0.1 * share;
+    track.trust *= std::pow(kept, paces);
     track.moved = chained(motion, track.moved);
   }
 }
@@ -207,6 +236,7 @@ bool ObjectTracker::confirm(double time, const Detections& found) {
   const auto seen =
       std::find_if(frames_.begin(), frames_.end(), [&](const Frame& f) { return f.time == time; });
   if (seen == frames_.end()) return false;
+  held_ = false;
   std::vector<Track> fresh;
   for (const Detection& d : found) {
     if (d.mask.size() != size_) throw InputError("object tracker: a mask of another size");
@@ -232,11 +262,13 @@ bool ObjectTracker::confirm(double time, const Detections& found) {
     size_t fresh, old;
   };
   std::vector<Pair> pairs;
-  for (size_t i = 0; i < fresh.size(); ++i)
+  for (size_t i = 0; i < fresh.size(); ++i) {
+    if (cv::countNonZero(new_masks[i]) == 0) continue;  // what is out of sight is like nothing
     for (size_t k = 0; k < tracks_.size(); ++k) {
       const double overlap = maskOverlap(new_masks[i], old_masks[k]);
       if (overlap > kSameObject) pairs.push_back({overlap, i, k});
     }
+  }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
     return std::tie(b.overlap, a.fresh, a.old) < std::tie(a.overlap, b.fresh, b.old);
   });
@@ -283,10 +315,13 @@ Detections ObjectTracker::objects() const {
 cv::Mat ObjectTracker::mask() const {
   if (frames_.empty()) return {};
   cv::Mat all = cv::Mat::zeros(small_size_, CV_8U);
+  const double scale = static_cast<double>(small_size_.width) / kSmallWidth;
+  const double diagonal = std::hypot(small_size_.width, small_size_.height);
   for (const Track& track : tracks_) {
     cv::Mat mask = maskNow(track);
     const double age = std::max(0.0, frames_.back().time - track.seen_at);
-    dilateMask(cvRound(parameters_.dilation + parameters_.dilation_growth * age), &mask);
+    const double growth = parameters_.dilation + parameters_.dilation_growth * age;
+    dilateMask(cvRound(std::min(diagonal, scale * growth)), &mask);
     all |= mask;
   }
   cv::Mat full;
@@ -298,6 +333,7 @@ void ObjectTracker::clear() {
   frames_.clear();
   tracks_.clear();
   remembered_.clear();
+  held_ = false;
 }
 
 }  // namespace edge_mcl

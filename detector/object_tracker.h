@@ -12,19 +12,28 @@
 
 namespace edge_mcl {
 
-/// Every image is handed to advance(); whenever the network is done with one of them, its result
-/// goes to confirm(), however late. Objects are carried from image to image by the optical flow of
-/// corners on them (Lucas-Kanade, checked backwards), or, where too few can be followed, by that of
-/// the background: what stands still moves with it. Not thread-safe.
+/// Every image is handed to advance(); hold() says that the network begins with it, and whenever it
+/// is done its result goes to confirm(), however late. Objects are carried from image to image by
+/// the optical flow of corners on them (Lucas-Kanade, checked backwards), or, where too few can be
+/// followed, by that of the background: what stands still moves with it. Not thread-safe.
 class ObjectTracker {
  public:
   explicit ObjectTracker(const DetectorParameters& parameters) : parameters_(parameters) {}
 
-  /// @param image CV_8UC3 or CV_8U; all of one size. @param time s; one that goes back starts anew.
-  void advance(const cv::Mat& image, double time);
+  /// @param image CV_8UC3 or CV_8U. @param time s.
+  /// @return true when nothing is known before this image: the first one, one of another size, or
+  /// one more than a second before the last (a bag in a loop).
+  /// @throws InputError for an image of another type, or one that is not later than the last by
+  /// less than that: it is not taken, all else stays.
+  bool advance(const cv::Mat& image, double time);
+
+  /// The network begins with the newest image: until confirm() that one is remembered, and of those
+  /// that follow kHistory at most, spread evenly, so that carrying its result to now takes no
+  /// longer.
+  void hold();
 
   /// What the network found in the image of a time that was handed in. Ignored when that image is
-  /// too old to be remembered (kHistory images) or not known.
+  /// not remembered: without hold() it is one of the newest kHistory.
   /// @return false when it was ignored.
   bool confirm(double time, const Detections& found);
 
@@ -34,8 +43,8 @@ class ObjectTracker {
   cv::Mat mask() const;
   void clear();
 
-  /// Images that a result may be late.
-  static constexpr size_t kHistory = 64;
+  /// Images that are remembered.
+  static constexpr size_t kHistory = 32;
 
  private:
   struct Frame {
@@ -57,6 +66,7 @@ class ObjectTracker {
     double lost_at;
     std::vector<float> colors;
   };
+  void forgetFrames();
   Frame smallFrame(const cv::Mat& image, double time) const;
   void carry(const Frame& from, const Frame& to, std::vector<Track>* tracks) const;
   cv::Mat maskNow(const Track& track) const;
@@ -67,6 +77,7 @@ class ObjectTracker {
   DetectorParameters parameters_;
   cv::Size size_, small_size_;
   std::deque<Frame> frames_;
+  bool held_ = false;  // the first frame is at the network
   std::vector<Track> tracks_;
   std::vector<Remembered> remembered_;
   int next_id_ = 1;

@@ -61,7 +61,10 @@ class Decoder {
       b.class_id = cvRound(r[1]);
       b.score = r[2];
       b.box = {toX(r[3]), toY(r[4]), toX(r[5] - r[3]), toY(r[6] - r[4])};
-      if (b.class_id < 0 || b.class_id >= static_cast<int>(model_.classes.size())) continue;
+      if (!(b.score >= threshold_)) continue;
+      if (b.class_id < 0 || b.class_id >= classCount())
+        throw InputError("model " + model_.name + ": class " + std::to_string(b.class_id) +
+                         ", but " + std::to_string(classCount()) + " classes are named");
       if (masks && b.class_id < masks->size[1])
         b.mask = cv::Mat(masks->size[2], masks->size[3], CV_32F,
                          const_cast<float*>(masks->ptr<float>(i, b.class_id)))

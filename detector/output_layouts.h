@@ -18,7 +18,7 @@ struct NetworkBox {
 
 /// Every box whose best class scores at least `threshold`; overlapping ones are not merged.
 /// @throws InputError when an output's shape is not what the layout and the number of classes ask
-/// for; it names both.
+/// for; it names both. Likewise for a box of a class that has no name.
 std::vector<NetworkBox> decodeBoxes(const DetectorModel& model, const std::vector<cv::Mat>& outputs,
                                     float threshold);
 

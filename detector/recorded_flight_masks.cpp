@@ -1,18 +1,23 @@
 #include "edge_mcl/detector/recorded_flight_masks.h"
 
 #include <chrono>
+#include <stdexcept>
 
 namespace edge_mcl {
 
 void RecordedFlightMasks::next(const cv::Mat& image, double time) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
-  tracker_.advance(image, time);
+  if (tracker_.advance(image, time)) {  // nothing is known, as at the first
+    pending_.reset();
+    ran_ = false;
+  }
   tracking_ms_ = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   network_ms_ = 0;
   deliver(time);
   // A thousandth of a second: stamps are rounded.
   if (pending_ || (ran_ && time - started_ < interval_ - 1e-3)) return;
+  tracker_.hold();
   pending_ = Result{time, detector_.detect(image)};
   network_ms_ = detector_.times().total();
   started_ = time;
@@ -22,7 +27,8 @@ void RecordedFlightMasks::next(const cv::Mat& image, double time) {
 
 void RecordedFlightMasks::deliver(double now) {
   if (!pending_ || now < pending_->time + delay_ - 1e-6) return;
-  tracker_.confirm(pending_->time, pending_->found);
+  if (!tracker_.confirm(pending_->time, pending_->found))
+    throw std::logic_error("a result for an image that is not remembered");
   pending_.reset();
 }
 

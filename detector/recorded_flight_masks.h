@@ -14,7 +14,8 @@ class RecordedFlightMasks {
  public:
   /// @param rate runs of the network per second; 0: on every image.
   /// @param delay s after which a result is there; the first is waited for, as nothing is known
-  /// before. A new run begins when the last one's result is there.
+  /// before, and likewise after an image of another size. A new run begins when the last one's
+  /// result is there.
   RecordedFlightMasks(MaskDetector* detector, const DetectorParameters& parameters, double rate,
                       double delay)
       : interval_(rate > 0 ? 1 / rate : 0),

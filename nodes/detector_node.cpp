@@ -88,15 +88,19 @@ void DetectorNode::work() {
 }
 
 void DetectorNode::handle(const sensor_msgs::ImageConstPtr& message) {
-  const cv::Mat image = fromMessage(message, "image");
+  cv::Mat image = fromMessage(message, "image");
+  if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 256);  // as the localizer does
+  if (message->header.stamp.isZero())
+    throw InputError("image: it has no stamp; a mask could not be matched to it");
   const double time = message->header.stamp.toSec();
   const ros::WallTime begin = ros::WallTime::now();
+  bool anew = false;
   {
     const std::lock_guard<std::mutex> lock(tracker_mutex_);
-    tracker_.advance(image, time);
+    anew = tracker_.advance(image, time);
   }
   const double tracking_ms = (ros::WallTime::now() - begin).toSec() * 1000;
-  offer(image, time);
+  offer(image, time, anew);
   publish(message, image);
   const std::lock_guard<std::mutex> lock(figures_mutex_);
   tracking_ms_ = tracking_ms;
@@ -104,10 +108,9 @@ void DetectorNode::handle(const sensor_msgs::ImageConstPtr& message) {
   problem_.clear();
 }
 
-void DetectorNode::offer(const cv::Mat& image, double time) {
+void DetectorNode::offer(const cv::Mat& image, double time, bool anew) {
   std::unique_lock<std::mutex> lock(job_mutex_);
-  const bool first = runs_ == 0;
-  const bool wait = first || params_.every_image;
+  const bool wait = anew || params_.every_image;
   if (busy_ && !wait) return;
   if (wait) job_changed_.wait(lock, [&] { return !running_ || !busy_; });
   // Stamps, not clocks: a bag may be played at any speed. A stamp that goes back starts anew.
@@ -115,6 +118,10 @@ void DetectorNode::offer(const cv::Mat& image, double time) {
   const bool due =
       wait || params_.max_rate <= 0 || since < 0 || since >= 1 / params_.max_rate - 1e-3;
   if (!running_ || !due) return;
+  {
+    const std::lock_guard<std::mutex> tracker_lock(tracker_mutex_);
+    tracker_.hold();
+  }
   job_ = Job{image.clone(), time};
   busy_ = true;
   started_ = time;
@@ -139,20 +146,21 @@ void DetectorNode::runNetwork() {
     try {
       const Detections found = detector_.detect(job.image);
       const std::lock_guard<std::mutex> lock(tracker_mutex_);
-      tracker_.confirm(job.time, found);
+      if (!tracker_.confirm(job.time, found))
+        problem =
+            "the clock jumped back or the image's size changed: a network's result is not used";
     } catch (const std::exception& e) {
       problem = e.what();
-      ROS_WARN_THROTTLE(5, "%s", e.what());
     }
+    if (!problem.empty()) ROS_WARN_THROTTLE(5, "%s", problem.c_str());
     {
       const std::lock_guard<std::mutex> lock(figures_mutex_);
       network_times_ = detector_.times();
       ++runs_shown_;
-      if (!problem.empty()) problem_ = problem;
+      network_problem_ = problem;
     }
     const std::lock_guard<std::mutex> lock(job_mutex_);
     busy_ = false;
-    ++runs_;
     job_changed_.notify_all();
   }
 }
@@ -194,7 +202,9 @@ void DetectorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   const ros::WallTime now = ros::WallTime::now();
   const double seconds = std::max(1e-3, (now - diagnosed_at_).toSec());
   using diagnostic_msgs::DiagnosticStatus;
-  if (!problem_.empty())
+  if (!network_problem_.empty())
+    status.summary(DiagnosticStatus::WARN, network_problem_);
+  else if (!problem_.empty())
     status.summary(DiagnosticStatus::WARN, problem_);
   else if (images_ == images_before_)
     status.summary(DiagnosticStatus::WARN, "no images");

@@ -41,7 +41,8 @@ struct DetectorNodeParameters : DetectorParameters {
 /// `~overlay` when somebody looks; diagnostics.
 ///
 /// The network runs in a thread of its own, on the newest image whenever it is free. Masks do not
-/// wait for it, but the very first, as nothing is known before.
+/// wait for it, but the very first and the first after a jump back or a change of size, as nothing
+/// is known before. An image without a stamp, or one that comes up to a second late, gets no mask.
 class DetectorNode {
  public:
   /// @throws ParameterError; InputError when the network cannot be loaded.
@@ -59,7 +60,8 @@ class DetectorNode {
   void work();        // tracks and publishes
   void runNetwork();  // on the jobs
   void handle(const sensor_msgs::ImageConstPtr& message);
-  void offer(const cv::Mat& image, double time);
+  /// @param anew nothing is known before this image: wait for the network.
+  void offer(const cv::Mat& image, double time, bool anew);
   void publish(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -81,7 +83,6 @@ class DetectorNode {
   std::optional<Job> job_;
   bool busy_ = false;
   double started_ = 0;  // stamp of the image that the network last took
-  size_t runs_ = 0;
 
   std::mutex tracker_mutex_;
   ObjectTracker tracker_;
@@ -90,7 +91,8 @@ class DetectorNode {
   DetectorTimes network_times_;
   double tracking_ms_ = 0;
   size_t images_ = 0, objects_ = 0, images_before_ = 0, runs_shown_ = 0, runs_before_ = 0;
-  std::string problem_;
+  std::string problem_;          // with the newest image
+  std::string network_problem_;  // of its last run, shown first
   ros::WallTime diagnosed_at_ = ros::WallTime::now();
 
   std::atomic<bool> running_{true};

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <opencv2/imgproc.hpp>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/detector/default_model.h"
 #include "edge_mcl/detector/detector_model.h"
 #include "edge_mcl/detector/mask_detector.h"
+#include "edge_mcl/detector/recorded_flight_masks.h"
 
 namespace edge_mcl {
 namespace {
@@ -36,8 +38,23 @@ class DetectorModelFile : public ::testing::Test {
     }
     return "";
   }
+  /// A network whose scores of three classes are the image's blue, green and red.
+  DetectorModel colorNetwork(const std::string& classes,
+                             const std::string& layer = "type: \"ReLU\"") const {
+    write("colors.prototxt",
+          "input: \"data\"\ninput_shape { dim: 1 dim: 3 dim: 24 dim: 32 }\n"
+          "layer { name: \"scores\" bottom: \"data\" top: \"scores\" " +
+              layer + " }\n");
+    return DetectorModel::fromYamlFile(
+        write("colors.yaml",
+              "file: colors.prototxt\nwidth: 32\nheight: 24\nmovable: [chair]\n"
+              "classes: " +
+                  classes + "\n"));
+  }
   fs::path directory_;
 };
+
+const cv::Scalar kBlue(255, 0, 0), kGreen(0, 255, 0), kRed(0, 0, 255);
 
 TEST_F(DetectorModelFile, AllFaultsAtOnce) {
   const std::string fault = faultOf(
@@ -55,6 +72,16 @@ TEST_F(DetectorModelFile, ValuesOfTheWrongKind) {
             std::string::npos);
   EXPECT_NE(faultOf(write("m.yaml", "just text")).find("keys and values"), std::string::npos);
   EXPECT_NE(faultOf((directory_ / "none.yaml").string()).find("cannot be read"), std::string::npos);
+}
+
+TEST_F(DetectorModelFile, NumbersAndKeysThatAreNone) {
+  const std::string text = "file: a\nclasses: [a]\n";
+  const std::string fault =
+      faultOf(write("m.yaml", text + "scale: 0\nmean: .nan\npadding: .inf\n? [1, 2]\n: 3\n"));
+  for (const char* part : {"scale must be", "mean must be", "padding must be", "a key that is no"})
+    EXPECT_NE(fault.find(part), std::string::npos) << part << " in " << fault;
+  EXPECT_NE(faultOf(write("m.yaml", text + "scale: [1, 1, .inf]\n")).find("scale must be"),
+            std::string::npos);
 }
 
 TEST_F(DetectorModelFile, FilesLieBesideTheDescription) {
@@ -76,6 +103,50 @@ TEST_F(DetectorModelFile, BrokenNetworksAreOneClearError) {
   EXPECT_THROW(MaskDetector(model, {}), InputError) << "garbage";
   write("a.onnx", "");
   EXPECT_THROW(MaskDetector(model, {}), InputError) << "empty";
+  DetectorModel unnameable = model;
+  unnameable.file = std::string(300, 'a');  // no file has so long a name
+  EXPECT_THROW(MaskDetector(unnameable, {}), InputError) << "a name that is too long";
+}
+
+TEST_F(DetectorModelFile, ClassesOfOneNameAreAllIgnored) {
+  MaskDetector detector(colorNetwork("[wall, chair, chair]"), {});
+  cv::Mat image(48, 64, CV_8UC3, kBlue);
+  image(cv::Rect(8, 8, 16, 16)) = kGreen;
+  image(cv::Rect(40, 24, 16, 16)) = kRed;
+  EXPECT_EQ(detector.detect(image).size(), 2u);
+}
+
+TEST_F(DetectorModelFile, AnOutputThatIsNotFiniteIsAnError) {
+  // The root of 200 - colour: white has none.
+  MaskDetector detector(
+      colorNetwork("[wall, table, chair]",
+                   "type: \"Power\" power_param { power: 0.5 scale: -1 shift: 200 }"),
+      {});
+  EXPECT_NO_THROW(detector.detect(cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(100))));
+  try {
+    detector.detect(cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(255)));
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("not finite"), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(DetectorModelFile, AResultThatComesManyImagesLateIsUsed) {
+  DetectorParameters parameters;
+  parameters.min_confidence = 0;  // there is nothing to follow here
+  MaskDetector detector(colorNetwork("[wall, table, chair]"), parameters);
+  RecordedFlightMasks flight(&detector, parameters, 1, 5);
+  cv::Mat image(48, 64, CV_8UC3, kBlue), larger;
+  image(cv::Rect(16, 16, 24, 16)) = kRed;
+  for (int i = 0; i <= 7 * 15; ++i) flight.next(image, i / 15.0);
+  // The second run began at 1 s, 75 images before its result came.
+  ASSERT_EQ(flight.tracker().objects().size(), 1u);
+  EXPECT_NEAR(flight.tracker().objects()[0].age, 6, 0.1);
+  // Of another size nothing is known: its result is waited for.
+  cv::resize(image, larger, {}, 2, 2);
+  flight.next(larger, 7.1);
+  ASSERT_EQ(flight.tracker().objects().size(), 1u);
+  EXPECT_EQ(flight.tracker().objects()[0].age, 0);
 }
 
 TEST_F(DetectorModelFile, ATruncatedNetwork) {

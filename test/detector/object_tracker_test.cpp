@@ -1,6 +1,8 @@
 // Objects and background that move in known ways.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "edge_mcl/core/error.h"
@@ -91,6 +93,19 @@ TEST(ObjectTracker, AResultThatComesLateIsCarriedToNow) {
   EXPECT_GT(maskOverlap(tracker.mask(), stage.mask(boxAt(8))), 0.96);
 }
 
+TEST(ObjectTracker, AResultOfAHundredImagesAgoIsCarriedToNow) {
+  ObjectTracker tracker(exact());
+  const Stage stage;
+  const auto boxAt = [](int i) { return cv::Point(60 + i, 70); };
+  for (int i = 0; i <= 100; ++i) {
+    tracker.advance(stage.image({100, 50}, boxAt(i)), 0.03 * i);
+    if (i == 0) tracker.hold();
+  }
+  ASSERT_TRUE(tracker.confirm(0, stage.found(boxAt(0))));
+  // The box is not where it was by more than its width; thirty steps drift by a few degrees.
+  EXPECT_GT(maskOverlap(tracker.mask(), stage.mask(boxAt(100))), 0.7);
+}
+
 TEST(ObjectTracker, WithoutCornersItMovesWithTheBackground) {
   ObjectTracker tracker(exact());
   Stage stage;
@@ -162,6 +177,21 @@ TEST(ObjectTracker, UnconfirmedObjectsFade) {
   EXPECT_NEAR(gone, 1.1, 0.1);
 }
 
+TEST(ObjectTracker, ConfidenceIsLostByTimeNotByImages) {
+  DetectorParameters parameters = exact();
+  parameters.half_life = 1;
+  parameters.min_confidence = 0;
+  const cv::Mat flat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(90));  // nothing to follow
+  for (const int rate : {15, 60}) {
+    ObjectTracker tracker(parameters);
+    tracker.advance(flat, 0);
+    tracker.confirm(0, Stage().found({100, 80}));
+    for (int i = 1; i <= rate; ++i) tracker.advance(flat, static_cast<double>(i) / rate);
+    ASSERT_EQ(tracker.objects().size(), 1u);
+    EXPECT_NEAR(tracker.objects()[0].score, 0.9 * 0.5 * std::pow(0.8, 15), 1e-5) << rate;
+  }
+}
+
 TEST(ObjectTracker, TheMaskGrowsWithAge) {
   DetectorParameters parameters;
   parameters.dilation = 2;
@@ -173,6 +203,66 @@ TEST(ObjectTracker, TheMaskGrowsWithAge) {
   EXPECT_EQ(cv::boundingRect(tracker.mask()), cv::Rect(98, 78, 74, 94));
   tracker.advance(stage.image({100, 50}, {100, 80}), 0.5);
   EXPECT_EQ(cv::boundingRect(tracker.mask()), cv::Rect(93, 73, 84, 104));
+}
+
+TEST(ObjectTracker, AGapOfHoursMasksTheImageAndNoMore) {
+  DetectorParameters parameters;
+  parameters.min_confidence = 0;
+  ObjectTracker tracker(parameters);
+  const Stage stage;
+  tracker.advance(stage.image({100, 50}, {100, 80}), 0);
+  tracker.confirm(0, stage.found({100, 80}));
+  tracker.advance(stage.image({100, 50}, {100, 80}), 1e4);
+  EXPECT_EQ(cv::countNonZero(tracker.mask()), kWidth * kHeight);
+}
+
+TEST(ObjectTracker, MasksOfNarrowImagesGrowInProportion) {
+  DetectorParameters parameters;
+  parameters.dilation = 4;
+  ObjectTracker tracker(parameters);
+  tracker.advance(cv::Mat(kHeight / 2, kWidth / 2, CV_8U, cv::Scalar(90)), 0);
+  Detection found;
+  found.score = 0.9f;
+  found.mask = cv::Mat::zeros(kHeight / 2, kWidth / 2, CV_8U);
+  found.mask(cv::Rect(50, 40, 30, 20)) = 255;
+  ASSERT_TRUE(tracker.confirm(0, {found}));
+  EXPECT_EQ(cv::boundingRect(tracker.mask()), cv::Rect(48, 38, 34, 24));
+}
+
+TEST(ObjectTracker, TwoObjectsOutOfSightAreNotOne) {
+  DetectorParameters parameters = exact();
+  parameters.min_confidence = 0;
+  ObjectTracker tracker(parameters);
+  const Stage stage;
+  // Both stand on the wall, which moves to the left, and back again.
+  for (int i = 0; i <= 16; ++i) {
+    tracker.advance(stage.image({100 + 20 * std::min(i, 16 - i), 50}, {-500, 0}), 0.066 * i);
+    if (i == 0) tracker.confirm(0, stage.found({10, 120}));
+    if (i != 8) continue;
+    EXPECT_TRUE(tracker.objects().empty());
+    ASSERT_TRUE(tracker.confirm(0.066, stage.found({20, 10})));
+    EXPECT_TRUE(tracker.objects().empty());
+  }
+  ASSERT_EQ(tracker.objects().size(), 2u);
+  EXPECT_NE(tracker.objects()[0].track_id, tracker.objects()[1].track_id);
+}
+
+TEST(ObjectTracker, ALateImageIsNotTaken) {
+  ObjectTracker tracker(exact());
+  const Stage stage;
+  const cv::Mat image = stage.image({100, 50}, {100, 80});
+  EXPECT_TRUE(tracker.advance(image, 10));
+  tracker.confirm(10, stage.found({100, 80}));
+  const int id = tracker.objects().at(0).track_id;
+  EXPECT_THROW(tracker.advance(image, 9.99), InputError);
+  EXPECT_THROW(tracker.advance(image, 10), InputError) << "repeated";
+  EXPECT_FALSE(tracker.advance(image, 10.07));
+  ASSERT_EQ(tracker.objects().size(), 1u);
+  EXPECT_EQ(tracker.objects()[0].track_id, id);
+  cv::Mat larger;
+  cv::resize(image, larger, {}, 2, 2);
+  EXPECT_TRUE(tracker.advance(larger, 10.2)) << "another size";
+  EXPECT_TRUE(tracker.advance(larger, 9.1)) << "a jump back";
 }
 
 TEST(ObjectTracker, TimeThatGoesBackStartsAnew) {
@@ -202,6 +292,31 @@ TEST(ObjectTracker, LargerImagesAndGreyOnes) {
   cv::resize(stage.mask({108, 80}), expected, {}, 2, 2, cv::INTER_NEAREST);
   EXPECT_GT(maskOverlap(tracker.mask(), expected), 0.95);
   EXPECT_THROW(tracker.advance(cv::Mat(), 9), InputError);
+}
+
+TEST(Masks, GrowByADisc) {
+  for (int radius = 1; radius <= 12; ++radius) {
+    cv::Mat mask = cv::Mat::zeros(60, 80, CV_8U), expected;
+    mask.at<uint8_t>(30, 40) = 255;
+    mask(cv::Rect(8, 50, 7, 3)) = 255;
+    const cv::Size size(2 * radius + 1, 2 * radius + 1);
+    cv::dilate(mask, expected, cv::getStructuringElement(cv::MORPH_ELLIPSE, size));
+    dilateMask(radius, &mask);
+    EXPECT_EQ(cv::countNonZero(mask != expected), 0) << radius;
+  }
+}
+
+TEST(Masks, GrowByAnyLength) {
+  cv::Mat mask = cv::Mat::zeros(300, 400, CV_8U);
+  dilateMask(100, &mask);
+  EXPECT_EQ(cv::countNonZero(mask), 0) << "nothing stays nothing";
+  mask.at<uint8_t>(150, 200) = 255;
+  dilateMask(100, &mask);
+  EXPECT_EQ(cv::boundingRect(mask), cv::Rect(100, 50, 201, 201));
+  EXPECT_EQ(mask.at<uint8_t>(150 + 70, 200 + 70), 255);
+  EXPECT_EQ(mask.at<uint8_t>(150 + 71, 200 + 71), 0);
+  dilateMask(1000000, &mask);
+  EXPECT_EQ(cv::countNonZero(mask), 300 * 400);
 }
 
 }  // namespace

@@ -36,11 +36,19 @@ TEST(OutputLayouts, Ssd) {
   cv::Mat out = tensor({1, 1, 3, 7});
   const float rows[3][7] = {{0, 1, 0.9f, 0.25f, 0.5f, 0.75f, 1},
                             {0, 0, 0.1f, 0, 0, 1, 1},
-                            {0, 9, 0.9f, 0, 0, 1, 1}};  // no such class
+                            {0, 9, 0.1f, 0, 0, 1, 1}};  // no such class
   std::copy(&rows[0][0], &rows[0][0] + 21, out.ptr<float>());
   const auto boxes = decodeBoxes(modelOf(OutputLayout::kSsd, 2), {out}, 0.5f);
   ASSERT_EQ(boxes.size(), 1u);
   expectBox(boxes[0], 1, 0.9f, {16, 16, 32, 16});
+  out.ptr<float>()[2 * 7 + 2] = 0.9f;
+  try {
+    decodeBoxes(modelOf(OutputLayout::kSsd, 2), {out}, 0.5f);
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("class 9, but 2 classes are named"), std::string::npos)
+        << e.what();
+  }
 }
 
 TEST(OutputLayouts, MaskRcnnTakesTheMaskOfItsClass) {

@@ -29,7 +29,7 @@ class Detector(FedLocalizer):
     def setUpClass(cls):
         super().setUpClass()
         cls.got, cls.images = {}, {}
-        for ns in ('node', 'nodelet'):
+        for ns in ('node', 'nodelet', 'failing'):
             for name, kind in (('mask', Image), ('detections', DetectedObjects),
                                ('detector/overlay', Image)):
                 cls.got[ns, name] = {}
@@ -96,6 +96,73 @@ class Detector(FedLocalizer):
             small.data = small.data[:3600]
             mask, _ = self.detect(ns, small, rospy.Time(501))
             self.assertEqual(mask.width, 40)
+
+    def shown(self):
+        """A frame in which the network by itself sees something."""
+        for i, frame in enumerate(self.recording.frames[::5]):
+            # Nothing is known before: the clock jumps back every time.
+            mask, _ = self.detect('node', frame['image'], rospy.Time(9000 - 10 * i))
+            if any(mask.data):
+                return frame['image']
+        self.fail('the network sees nothing')
+
+    def test_late_images_and_jumps(self):
+        image = self.shown()
+        self.detect('nodelet', image, rospy.Time(8100))
+        mask, _ = self.detect('nodelet', image, rospy.Time(8000))
+        self.assertTrue(any(mask.data), 'the first mask after a jump back waits')
+        mask, objects = self.detect('nodelet', image, rospy.Time.from_sec(8000.1))
+        before = sorted(thing.track_id for thing in objects.objects)
+        late = rospy.Time.from_sec(8000.05)
+        self.images['nodelet'].publish(at(image, late))
+        time.sleep(0.5)
+        self.assertNotIn(late.to_nsec(), self.got['nodelet', 'mask'])
+        mask, objects = self.detect('nodelet', image, rospy.Time.from_sec(8000.2))
+        self.assertTrue(any(mask.data), 'a late image changes nothing')
+        self.assertEqual(sorted(thing.track_id for thing in objects.objects), before)
+
+    def test_images_of_16_bits(self):
+        image = copy.deepcopy(self.recording.frames[0]['image'])
+        image.encoding, image.step, image.is_bigendian = 'mono16', 2 * image.width, 0
+        # The low byte first, which says nothing here.
+        image.data = b''.join(bytes((0, green)) for green in image.data[1::3])
+        mask, _ = self.detect('node', image, rospy.Time(10000))
+        self.assertEqual((mask.width, mask.encoding), (image.width, 'mono8'))
+
+    def diagnoses(self, ns, image, stamps, text):
+        """Sends images until diagnostics show the text; what they showed until then."""
+        messages = []
+
+        def look(message):
+            with self.changed:
+                messages.extend(status.message for status in message.status
+                                if 'detection' in status.name and ns + '/detector' in status.name)
+        subscriber = rospy.Subscriber('/diagnostics', DiagnosticArray, look)
+        for stamp in stamps:
+            self.images[ns].publish(at(image, stamp))
+            time.sleep(0.1)
+            if any(text in message for message in messages):
+                break
+        subscriber.unregister()
+        self.assertTrue(any(text in message for message in messages), messages)
+        return messages
+
+    def test_images_without_stamps(self):
+        image = self.recording.frames[0]['image']
+        self.diagnoses('node', image, [rospy.Time(0)] * 100, 'no stamp')
+        self.assertNotIn(0, self.got['node', 'mask'])
+
+    def test_a_network_that_fails_is_told(self):
+        white = filled(self.recording.frames[0]['image'], 255)
+        black = filled(self.recording.frames[0]['image'], 0)
+
+        def stamps(first):
+            return [rospy.Time.from_sec(first + 0.1 * i) for i in range(100)]
+        self.diagnoses('failing', black, stamps(1000), 'masks go out')
+        self.diagnoses('failing', white, stamps(1020), 'not finite')
+        # It is told as long as it lasts: the images themselves are well.
+        self.assertNotIn('masks go out', self.diagnoses('failing', white, stamps(1040), 'not finite'))
+        self.diagnoses('failing', black, stamps(1060), 'masks go out')
 
     def test_diagnostics(self):
         found = threading.Event()
