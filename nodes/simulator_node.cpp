@@ -85,10 +85,13 @@ ros::Time SimulatorNode::stampOf(double time) const {
   return epoch_ + ros::Duration(time - begin_);
 }
 
-Pose SimulatorNode::bodyAt(double time) const {
-  return live_ ? flight_->pose()
-               : simulator_->scenario().cameraAt(time) *
-                     simulator_->scenario().T_body_camera().inverse();
+Pose SimulatorNode::cameraAt(double time) const {
+  const Scenario& s = simulator_->scenario();
+  return live_ ? flight_->poseNear(time) * s.T_body_camera() : s.cameraAt(time);
+}
+
+Eigen::Matrix3d SimulatorNode::attitudeAt(double time) const {
+  return (cameraAt(time) * simulator_->scenario().T_body_camera().inverse()).linear();
 }
 
 void SimulatorNode::pace(double time) {
@@ -134,22 +137,24 @@ void SimulatorNode::advanceTo(double time) {
       acceleration = s.path.acceleration(imu_time_);
     }
     if (!s.path_is_of_camera)
-      imu_publisher_.publish(
-          toImu(imu_->read(imu_time_, bodyAt(imu_time_).linear(), turn, acceleration),
-                stampOf(imu_time_), messages_->frames().base));
+      imu_publisher_.publish(toImu(imu_->read(imu_time_, attitudeAt(imu_time_), turn, acceleration),
+                                   stampOf(imu_time_), messages_->frames().base));
   }
+  // Between two readings, so that the image is not stamped later than the clock.
+  pace(time);
+  if (live_) flight_->advance(time);
 }
 
 void SimulatorNode::publishImage(double time) {
   const bool wanted =
       image_.getNumSubscribers() + depth_.getNumSubscribers() + mask_.getNumSubscribers() > 0;
-  const Pose camera = bodyAt(time) * simulator_->scenario().T_body_camera();
   const ros::Time stamp = stampOf(time);
   RecordedFrame frame;
-  const bool arrived = simulator_->take(time, camera, wanted, &frame);
+  const bool arrived = simulator_->take(
+      time, [this](double t) { return cameraAt(t); }, wanted, &frame);
   broadcaster_.sendTransform(messages_->odometryTransform(*frame.odometry, stamp).transforms);
   odometry_.publish(messages_->odometry(*frame.odometry, stamp));
-  truth_.publish(messages_->truth(camera, stamp));
+  truth_.publish(messages_->truth(*frame.truth, stamp));
   if (!wanted || !arrived) return;
   ++images_;
   info_.publish(messages_->info(stamp));

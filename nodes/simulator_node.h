@@ -31,7 +31,8 @@ class SimulatorNode {
 
  private:
   double endTime() const;
-  Pose bodyAt(double time) const;
+  Pose cameraAt(double time) const;
+  Eigen::Matrix3d attitudeAt(double time) const;
   void advanceTo(double time);
   void publishImage(double time);
   void pace(double time);

@@ -144,11 +144,14 @@ bool LiveView::isComplete(const Status& status) const {
          (!has_pose || (poses_.has(stamp) && (!comes(clouds_.last) || clouds_.has(stamp))));
 }
 
-std::optional<Pose> LiveView::mountingOf(const std::string& frame) const {
-  if (frame == params_.base_frame_id) return Pose::Identity();
+std::optional<Pose> LiveView::mountingOf(const std_msgs::Header& sensor) const {
+  if (sensor.frame_id == params_.base_frame_id) return Pose::Identity();
+  const std::string& base = params_.base_frame_id;
   try {
-    return fromMessage(tf_.lookupTransform(params_.base_frame_id, frame, ros::Time(0)).transform,
-                       "tf");
+    // A mount may move; where it was then is not always known.
+    const bool known = tf_.canTransform(base, sensor.frame_id, sensor.stamp);
+    const ros::Time at = known ? sensor.stamp : ros::Time(0);
+    return fromMessage(tf_.lookupTransform(base, sensor.frame_id, at).transform, "tf");
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   } catch (const InputError&) {
@@ -170,7 +173,7 @@ void LiveView::addCamera(const sensor_msgs::ImageConstPtr& image, ViewMoment* m)
   m->camera = fromMessage(*info_, "camera_info");
   if (m->camera.width != m->image.cols || m->camera.height != m->image.rows)
     throw InputError("camera_info is of another size than the image");
-  const std::optional<Pose> mounting = mountingOf(image->header.frame_id);
+  const std::optional<Pose> mounting = mountingOf(image->header);
   if (!mounting)
     throw InputError("no tf from " + params_.base_frame_id + " to the camera, '" +
                      image->header.frame_id + "'");
@@ -186,7 +189,7 @@ void LiveView::addDepth(const ros::Time& stamp, ViewMoment* m) {
   depth.origin = "depth";
   depth.camera = fromMessage(*info, "depth camera_info");
   depth.depth = depthFromMessage(message, "depth");
-  if (const auto mounting = mountingOf(message->header.frame_id))
+  if (const auto mounting = mountingOf(message->header))
     m->depth_points = shownPoints(depth, *mounting);
 }
 
@@ -264,6 +267,9 @@ std::string LiveView::missing() const {
 }
 
 bool LiveView::takeLocked(ViewMoment* moment) {
+  // A viewer that is far behind leaves moments out; without their images they would be empty.
+  while (!pending_.empty() && images_.hasForgotten(pending_.front().status->header.stamp))
+    pending_.pop_front();
   if (pending_.empty()) return false;
   const Pending& oldest = pending_.front();
   const bool waited = (ros::WallTime::now() - oldest.since).toSec() > params_.wait;
@@ -299,6 +305,17 @@ bool LiveView::nothingNew(ViewMoment* moment) {
 std::string LiveView::whatIsMissing() {
   const std::lock_guard<std::mutex> lock(mutex_);
   return missing();
+}
+
+bool LiveView::hasStatus() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return !status_at_.isZero();
+}
+
+void LiveView::setFrames(const std::string& global, const std::string& base) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  params_.global_frame_id = global;
+  params_.base_frame_id = base;
 }
 
 bool LiveView::next(ViewMoment* moment) {

@@ -71,6 +71,10 @@ class LiveView : public ViewSource {
   bool next(ViewMoment* moment);
   /// Topics on which nothing comes, though it should; empty: none.
   std::string whatIsMissing();
+  /// Whether the localizer has said anything yet.
+  bool hasStatus();
+  /// To be called by the thread that takes the moments.
+  void setFrames(const std::string& global, const std::string& base);
 
  private:
   /// Messages of one topic by stamp; the oldest are forgotten.
@@ -78,8 +82,8 @@ class LiveView : public ViewSource {
   struct Kept {
     std::map<ros::Time, boost::shared_ptr<const Message>> by_stamp;
     ros::WallTime last;
+    static constexpr size_t kMost = 64;
     void add(const boost::shared_ptr<const Message>& message) {
-      constexpr size_t kMost = 64;
       by_stamp[message->header.stamp] = message;
       if (by_stamp.size() > kMost) by_stamp.erase(by_stamp.begin());
       last = ros::WallTime::now();
@@ -87,6 +91,10 @@ class LiveView : public ViewSource {
     /// The nearest within a tolerance, s; null: none.
     boost::shared_ptr<const Message> at(const ros::Time& stamp, double tolerance) const;
     bool has(const ros::Time& stamp) const { return by_stamp.count(stamp) > 0; }
+    /// Whether a message of this stamp may have been forgotten.
+    bool hasForgotten(const ros::Time& stamp) const {
+      return by_stamp.size() == kMost && stamp < by_stamp.begin()->first;
+    }
   };
   struct Pending {
     StatusConstPtr status;
@@ -101,13 +109,13 @@ class LiveView : public ViewSource {
   ViewMoment assemble(const Status& status);
   void addCamera(const sensor_msgs::ImageConstPtr& image, ViewMoment* moment);
   void addDepth(const ros::Time& stamp, ViewMoment* moment);
-  std::optional<Pose> mountingOf(const std::string& frame) const;
+  std::optional<Pose> mountingOf(const std_msgs::Header& sensor) const;
   std::string missing() const;
   bool takeLocked(ViewMoment* moment);
   bool nothingNew(ViewMoment* moment);
 
   ros::NodeHandle nh_;
-  const ViewerNodeParameters params_;
+  ViewerNodeParameters params_;
   tf2_ros::Buffer tf_;
   tf2_ros::TransformListener tf_listener_;
   image_transport::ImageTransport transport_;

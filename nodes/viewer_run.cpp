@@ -32,13 +32,49 @@ Parameters adoptFromLocalizer(const ros::NodeHandle& nh, ViewerNodeParameters* p
   return method;
 }
 
-void record(const ViewerNodeParameters& params, const LocalizationMap* map, LiveView* view) {
+/// The model that is shown.
+class ShownModel {
+ public:
+  /// @param params completed by the localizer's.
+  ShownModel(const ros::NodeHandle& nh, ViewerNodeParameters* params) : nh_(nh), given_(*params) {
+    load(params);
+  }
+
+  const LocalizationMap* map() const { return map_.get(); }
+  /// The model of a localizer that began after the viewer; null: it is known, or not there yet.
+  const LocalizationMap* comesLate(LiveView* view) {
+    if (map_ || asked_again_ || !view->hasStatus()) return nullptr;
+    asked_again_ = true;
+    ViewerNodeParameters params = given_;
+    try {
+      load(&params);
+    } catch (const Error& e) {
+      ROS_WARN("%s", e.what());
+    }
+    view->setFrames(params.global_frame_id, params.base_frame_id);
+    if (map_) ROS_INFO("the model of %s: %s", params.localizer.c_str(), params.model.c_str());
+    return map_.get();
+  }
+
+ private:
+  void load(ViewerNodeParameters* params) {
+    const Parameters method = adoptFromLocalizer(nh_, params);
+    if (!params->model.empty()) map_ = std::make_unique<LocalizationMap>(params->model, method);
+  }
+
+  ros::NodeHandle nh_;
+  const ViewerNodeParameters given_;
+  std::unique_ptr<LocalizationMap> map_;
+  bool asked_again_ = false;
+};
+
+void record(const ViewerNodeParameters& params, ShownModel* model, LiveView* view) {
   RecorderOptions options;
   options.video = params.video;
   options.video_rate = params.video_rate;
   options.pictures = params.pictures;
   options.at = params.pictureTimes();
-  ViewRecorder recorder(map, params, options);
+  ViewRecorder recorder(model->map(), params, options);
   int moments = 0;
   ros::WallTime said_at;
   ViewMoment moment;
@@ -53,6 +89,7 @@ void record(const ViewerNodeParameters& params, const LocalizationMap* map, Live
       ros::WallDuration(0.01).sleep();
       continue;
     }
+    if (const LocalizationMap* map = model->comesLate(view)) recorder.setMap(map);
     recorder.show(moment);
     if (!moment.problem.empty()) ROS_WARN_THROTTLE(2, "%s", moment.problem.c_str());
     ++moments;
@@ -67,18 +104,19 @@ void record(const ViewerNodeParameters& params, const LocalizationMap* map, Live
 
 void runViewer(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
   auto params = readParameterStruct<ViewerNodeParameters>(private_nh);
-  const Parameters method = adoptFromLocalizer(nh, &params);
-  std::unique_ptr<LocalizationMap> map;
-  if (!params.model.empty()) map = std::make_unique<LocalizationMap>(params.model, method);
+  ShownModel model(nh, &params);
   LiveView view(nh, params);
   ros::AsyncSpinner spinner(1);
   spinner.start();
   if (params.headless) {
-    record(params, map.get(), &view);
+    record(params, &model, &view);
     return;
   }
-  ViewerWindow window(map.get(), params, &view, "edge_mcl");
-  window.run([] { return ros::ok(); });
+  ViewerWindow window(model.map(), params, &view, "edge_mcl");
+  window.run([&] {
+    if (const LocalizationMap* map = model.comesLate(&view)) window.setMap(map);
+    return ros::ok();
+  });
 }
 
 }  // namespace edge_mcl

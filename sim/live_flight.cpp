@@ -70,7 +70,9 @@ bool LiveFlight::advance(double time) {
       free = false;
     }
   }
-  if (time > from) angular_velocity_ = logSo3(before.transpose() * pose().linear()) / (time - from);
+  constexpr double kShortest = 1e-6;  // s; of less only the rounding of attitudes would be seen
+  if (time - from > kShortest)
+    angular_velocity_ = logSo3(before.transpose() * pose().linear()) / (time - from);
   return free;
 }
 
@@ -79,6 +81,13 @@ Pose LiveFlight::pose() const {
   pose.translation() = position_;
   pose.linear() = attitudeFor(acceleration_, yaw_);
   return pose;
+}
+
+Pose LiveFlight::poseNear(double time) const {
+  Pose near = pose();
+  near.translation() += (time - time_) * velocity_;
+  near.linear() *= expSo3((time - time_) * angular_velocity_);
+  return near;
 }
 
 }  // namespace edge_mcl

@@ -34,9 +34,11 @@ class LiveFlight {
 
   /// T_map_body.
   Pose pose() const;
+  /// T_map_body shortly before or after, as it moves and turns now.
+  Pose poseNear(double time) const;
   Eigen::Vector3d velocity() const { return velocity_; }          ///< map axes
   Eigen::Vector3d acceleration() const { return acceleration_; }  ///< map axes
-  /// Body axes, mean over the last step.
+  /// Body axes, mean over the last step that was not very short.
   Eigen::Vector3d angularVelocity() const { return angular_velocity_; }
 
  private:

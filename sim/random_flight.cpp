@@ -54,7 +54,7 @@ FlightPath randomFlight(const Scene& scene, const RandomFlight& request,
   };
   std::vector<Waypoint> points;
   double heading = 2 * M_PI * random.uniform();
-  constexpr int kMostTries = 20000;
+  constexpr int kMostTries = 20000;  // for one waypoint
   int tries = 0;
   while (points.empty() || points.back().time < request.duration) {
     if (++tries > kMostTries)
@@ -63,7 +63,9 @@ FlightPath randomFlight(const Scene& scene, const RandomFlight& request,
                        "model closed?");
     const Eigen::Vector3d candidate = anywhere();
     if (points.empty()) {
-      if (isFree(candidate)) points.push_back({0, candidate, heading});
+      if (!isFree(candidate)) continue;
+      points.push_back({0, candidate, heading});
+      tries = 0;
       continue;
     }
     const Waypoint& last = points.back();
@@ -80,10 +82,12 @@ FlightPath randomFlight(const Scene& scene, const RandomFlight& request,
     // The last waypoint but two changes the path too little to matter; look at all after it.
     const double from = points[points.size() > 3 ? points.size() - 4 : 0].time;
     if (keepsClear(scene, FlightPath::throughWaypoints(points, true, origin), from,
-                   request.clearance))
+                   request.clearance)) {
       heading += turn;
-    else
+      tries = 0;
+    } else {
       points.pop_back();
+    }
   }
   return FlightPath::throughWaypoints(points, true, origin);
 }

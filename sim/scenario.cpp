@@ -194,6 +194,14 @@ Scenario Scenario::fromYamlFile(const std::string& file) {
   requireRange(s.faults.exposure_time, 0, 1, file + ": faults: exposure_time");
   requireRange(s.faults.blur_steps, 1, 100, file + ": faults: blur_steps");
   requireRange(s.faults.dropped, 0, 0.99, file + ": faults: dropped");
+  requireRange(s.odometry.position, 0, 100, file + ": odometry: position");
+  requireRange(s.odometry.angle_deg, 0, 180, file + ": odometry: angle_deg");
+  requireRange(s.odometry.per_metre, 0, 100, file + ": odometry: per_metre");
+  requireRange(s.odometry.per_radian, 0, 100, file + ": odometry: per_radian");
+  requireRange(s.imu.accelerometer, 0, 1000, file + ": imu: accelerometer");
+  requireRange(s.imu.gyroscope, 0, 1000, file + ": imu: gyroscope");
+  requireRange(s.imu.accelerometer_walk, 0, 1000, file + ": imu: accelerometer_walk");
+  requireRange(s.imu.gyroscope_walk, 0, 1000, file + ": imu: gyroscope_walk");
   return s;
 }
 

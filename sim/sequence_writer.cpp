@@ -1,5 +1,7 @@
 #include "edge_mcl/sim/sequence_writer.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -21,6 +23,13 @@ std::string stamp(double time) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6f", time);
   return text;
+}
+
+/// Any text as a YAML scalar.
+std::string quoted(const std::string& text) {
+  YAML::Emitter out;
+  out << YAML::DoubleQuoted << text;
+  return out.c_str();
 }
 
 std::string cameraYaml(const CameraModel& c) {
@@ -72,8 +81,10 @@ SequenceWriter::SequenceWriter(std::string directory, const RecordingSetup& setu
     : directory_(std::move(directory)) {
   std::error_code error;
   const fs::path root(directory_);
-  if (fs::exists(root / "rgb.txt", error))
-    throw InputError(directory_ + ": holds a sequence already");
+  for (const char* name : {"rgb.txt", "depth.txt", "mask.txt", "groundtruth.txt", "odometry.txt",
+                           "imu.txt", "model.obj", "camera.yaml", "sequence.yaml"})
+    if (fs::exists(root / name, error))
+      throw InputError(directory_ + ": holds a sequence already, or a part of one (" + name + ")");
   for (const char* sub : {"rgb", "depth", "mask"}) {
     fs::create_directories(root / sub, error);
     if (error) throw InputError((root / sub).string() + ": " + error.message());
@@ -83,13 +94,15 @@ SequenceWriter::SequenceWriter(std::string directory, const RecordingSetup& setu
   std::istringstream numbers(formatPose("", setup.initial_pose));
   std::string list, word;
   while (numbers >> word) list += (list.empty() ? "" : ", ") + word;
+  const fs::path full = fs::absolute(root).lexically_normal();
+  const fs::path named = full.has_filename() ? full : full.parent_path();  // "out/" is "out", too
   std::ostringstream description;
-  description << "name: " << fs::absolute(root).lexically_normal().filename().string()
+  description << "name: " << quoted(named.filename().string())
               << "\nsource: edge-mcl simulate\nlicence: that of the model\nreal: false\nup_axis: z"
               << "\ndepth_scale: " << setup.depth_scale << "\ninitial_pose: [" << list
               << "]\ninitial_std: [" << setup.initial_std_position << ", "
               << setup.initial_std_angle << "]\nnotes:\n";
-  for (const std::string& note : notes) description << "  - '" << note << "'\n";
+  for (const std::string& note : notes) description << "  - " << quoted(note) << "\n";
   writeText("sequence.yaml", description.str());
   const auto open = [&](std::ofstream* stream, const char* name, const char* header) {
     stream->open(root / name, std::ios::trunc);

@@ -14,7 +14,7 @@ namespace edge_mcl {
 /// file is complete, so an interrupted recording is a valid, shorter one.
 class SequenceWriter : public Recorder {
  public:
-  /// @param directory is made; must not hold a sequence already. @param notes without quotes.
+  /// @param directory is made; must not hold any file of a sequence already.
   SequenceWriter(std::string directory, const RecordingSetup& setup, const std::string& model_file,
                  const std::vector<std::string>& notes);
   /// Needs everything but the poses.

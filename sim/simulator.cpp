@@ -1,5 +1,6 @@
 #include "edge_mcl/sim/simulator.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -37,17 +38,25 @@ void Simulator::checkPath() const {
     std::snprintf(text, sizeof text, "%.2f s", time);
     throw InputError(scenario_.file + ": the path " + what + " at " + text);
   };
+  // Between images far apart a straight line may cut a corner that the path goes round.
+  constexpr double kStep = 0.05;  // s
+  const auto steps = static_cast<size_t>(std::max(1.0, std::ceil(1 / (scenario_.rate * kStep))));
   Eigen::Vector3d last = scenario_.cameraAt(timeOf(0)).translation();
   for (size_t i = 0; i < image_count_; ++i) {
     const double time = timeOf(i);
+    for (size_t k = 1; i > 0 && k <= steps; ++k) {
+      const double share = static_cast<double>(k) / static_cast<double>(steps);
+      const double moment = k == steps ? time : timeOf(i - 1) + share / scenario_.rate;
+      const Eigen::Vector3d next = scenario_.cameraAt(moment).translation();
+      if (scene_->blocked(last.cast<float>(), next.cast<float>()))
+        fault(moment, "leads through the building");
+      last = next;
+    }
     const Eigen::Vector3d here = scenario_.cameraAt(time).translation();
-    if (i > 0 && scene_->blocked(last.cast<float>(), here.cast<float>()))
-      fault(time, "leads through the building");
     if (scenario_.clearance > 0 &&
         scene_->clearance(here, scenario_.clearance) < scenario_.clearance)
       fault(time, "comes closer to the building than the clearance of " +
                       std::to_string(scenario_.clearance) + " m");
-    last = here;
   }
 }
 

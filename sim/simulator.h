@@ -22,9 +22,12 @@ class Simulator {
   /// time and poses are set.
   bool next(RecordedFrame* frame);
 
-  /// What a camera sees from a pose at a time, with the objects where they are then; for flights
-  /// that no path describes. Times must increase. @param with_images false: poses only.
-  /// @return as next().
+  /// What a camera sees at a time, with the objects where they are then; for flights that no path
+  /// describes. Times must increase. @param cameraAt T_map_camera during the exposure.
+  /// @param with_images false: poses only. @return as next().
+  bool take(double time, const std::function<Pose(double)>& cameraAt, bool with_images,
+            RecordedFrame* frame);
+  /// From a camera at rest.
   bool take(double time, const Pose& T_map_camera, bool with_images, RecordedFrame* frame);
 
   /// With an initial pose drawn around the truth with its standard deviations.
@@ -41,8 +44,6 @@ class Simulator {
 
  private:
   void checkPath() const;
-  bool take(double time, const std::function<Pose(double)>& cameraAt, bool with_images,
-            RecordedFrame* frame);
   RenderedImage renderAt(double time, const Pose& T_map_camera);
   Scenario scenario_;
   std::unique_ptr<Scene> scene_;

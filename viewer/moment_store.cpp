@@ -19,7 +19,7 @@ void MomentStore::add(const ViewMoment& moment) {
   s.moment.mask.release();
   s.moment.particles.clear();
   if (!moment.image.empty())
-    cv::imencode(".jpg", moment.image, s.image, {cv::IMWRITE_JPEG_QUALITY, 92});
+    cv::imencode(".jpg", shownImage(moment.image), s.image, {cv::IMWRITE_JPEG_QUALITY, 92});
   if (!moment.mask.empty())
     cv::imencode(".png", moment.mask, s.mask, {cv::IMWRITE_PNG_COMPRESSION, 1});
   for (const Pose& pose : moment.particles) {

@@ -51,11 +51,8 @@ cv::Mat framed(const cv::Mat& picture, const PanelFit& fit, const cv::Size& size
 }
 
 cv::Mat asColor(const cv::Mat& image) {
-  cv::Mat color;
-  if (image.channels() == 1)
-    cv::cvtColor(image, color, cv::COLOR_GRAY2BGR);
-  else
-    color = image;
+  cv::Mat color = shownImage(image);
+  if (color.channels() == 1) cv::cvtColor(color, color, cv::COLOR_GRAY2BGR);
   return color;
 }
 

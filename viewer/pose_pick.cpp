@@ -11,7 +11,12 @@ PoseGaussian poseFromPick(const ViewMoment& m, const Eigen::Vector3d& pressed,
   PoseGaussian result;
   const Eigen::Vector3d towards = released - pressed;
   Eigen::Matrix3d now = Eigen::Matrix3d::Identity();
-  if (m.has_pose) now = m.estimate.mean.linear();
+  // A base whose z is the camera's axis is itself an optical frame: level it looks at the ceiling.
+  constexpr double kSteep = 0.7;
+  if (m.has_pose)
+    now = m.estimate.mean.linear();
+  else if (m.has_camera && m.T_base_camera.linear()(2, 2) > kSteep)
+    now = opticalOnBody().linear() * m.T_base_camera.linear().transpose();
   // Where the camera looks, over the ground; the base itself may have any axes.
   const Eigen::Vector3d view = now * m.T_base_camera.linear().col(2);
   double turn = 0;

@@ -63,10 +63,7 @@ struct SceneView::Objects {
 };
 
 SceneView::SceneView(const LocalizationMap* map, const ViewParameters& params)
-    : map_(map),
-      params_(params),
-      scene_(COpenGLScene::Create()),
-      objects_(std::make_unique<Objects>()) {
+    : params_(params), scene_(COpenGLScene::Create()), objects_(std::make_unique<Objects>()) {
   Objects& o = *objects_;
   o.faces->enableLight(false);  // shaded already, see ModelShape
   o.particles->setPointSize(3);
@@ -88,15 +85,21 @@ SceneView::SceneView(const LocalizationMap* map, const ViewParameters& params)
     scene_->insert(object);
   scene_->getViewport()->enablePolygonNicest(false);
   scene_->getViewport()->setCustomBackgroundColor({0.84F, 0.84F, 0.84F, 1.0F});
-  if (map_ != nullptr) {
-    const Eigen::Vector3d low = map_->mesh().lowest.cast<double>();
-    const Eigen::Vector3d high = map_->mesh().highest.cast<double>();
-    focus_ = (low + high) / 2;
-    distance_ = 1.3 * std::max(0.05, map_->mesh().diagonal());
-  }
+  setMap(map);
 }
 
 SceneView::~SceneView() = default;
+
+void SceneView::setMap(const LocalizationMap* map) {
+  map_ = map;
+  height_.reset();
+  has_focus_ = false;
+  if (map_ == nullptr) return;
+  const Eigen::Vector3d low = map_->mesh().lowest.cast<double>();
+  const Eigen::Vector3d high = map_->mesh().highest.cast<double>();
+  focus_ = (low + high) / 2;
+  distance_ = 1.3 * std::max(0.05, map_->mesh().diagonal());
+}
 
 bool SceneView::isSmall() const {
   constexpr double kRoom = 2;  // m
@@ -177,8 +180,8 @@ void SceneView::showCamera(const ViewMoment& m, const Pose& T_map_camera) {
   picture_at_ = now;
   cv::Mat small;
   constexpr int kWidth = 320;
-  cv::resize(m.image, small, {kWidth, std::max(1, kWidth * m.image.rows / m.image.cols)}, 0, 0,
-             cv::INTER_AREA);
+  cv::resize(shownImage(m.image), small,
+             {kWidth, std::max(1, kWidth * m.image.rows / m.image.cols)}, 0, 0, cv::INTER_AREA);
   if (small.channels() == 1) cv::cvtColor(small, small, cv::COLOR_GRAY2BGR);
   o.picture->assignImage(mrpt::img::CImage(small, mrpt::img::DEEP_COPY));
 }

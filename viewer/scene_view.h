@@ -19,6 +19,8 @@ class SceneView {
   SceneView(const LocalizationMap* map, const ViewParameters& params);
   ~SceneView();
 
+  /// A model that comes later. It must outlive this object.
+  void setMap(const LocalizationMap* map);
   /// Changes how the model is shown.
   void setParameters(const ViewParameters& params);
   void update(const ViewMoment& moment, const HistoryView& history);
@@ -44,7 +46,7 @@ class SceneView {
   void look(const ViewMoment& moment);
   bool isSmall() const;  // an object, not a building
 
-  const LocalizationMap* map_;
+  const LocalizationMap* map_ = nullptr;
   ViewParameters params_;
   mrpt::opengl::COpenGLScene::Ptr scene_;
   std::unique_ptr<Objects> objects_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "edge_mcl/core/depth_points.h"
 #include "edge_mcl/core/error.h"
@@ -12,6 +13,20 @@ const char* UpdateTimes::name(size_t stage) {
   static const char* const kNames[kStages] = {"edges", "table", "likelihood", "refinement",
                                               "search"};
   return kNames[stage];
+}
+
+cv::Mat shownImage(const cv::Mat& image) {
+  cv::Mat eight = image;
+  if (image.depth() == CV_16U) image.convertTo(eight, CV_8U, 1.0 / 256);
+  const int channels = eight.channels();
+  if (eight.depth() != CV_8U || (channels != 1 && channels != 3 && channels != 4))
+    return cv::Mat::zeros(image.size(), CV_8U);
+  if (channels == 4) {
+    cv::Mat color;
+    cv::cvtColor(eight, color, cv::COLOR_BGRA2BGR);
+    return color;
+  }
+  return eight;
 }
 
 std::vector<Eigen::Vector3f> shownPoints(const DepthImage& image, const Pose& T_base_camera) {

@@ -43,7 +43,7 @@ struct ViewMoment {
   bool has_camera = false;  ///< calibration and mounting are known
   CameraModel camera;
   Pose T_base_camera = Pose::Identity();
-  cv::Mat image;                                  ///< colour or grey; empty: none
+  cv::Mat image;                                  ///< as it came, see shownImage; empty: none
   cv::Mat mask;                                   ///< CV_8U, non-zero: ignored; empty: none
   std::shared_ptr<const PreparedImage> prepared;  ///< of the image; null: the viewer prepares it
   std::vector<ShownObject> objects;
@@ -57,6 +57,10 @@ struct ViewMoment {
 ViewMoment momentOf(const LiveInput& input, const LiveResult& result,
                     const LiveLocalizer& localizer, const std::optional<Pose>& truth,
                     size_t max_particles);
+
+/// An image as CV_8UC1 or CV_8UC3, whatever the localizer takes (16 bits, four channels); black
+/// where it is nothing of the kind.
+cv::Mat shownImage(const cv::Mat& image);
 
 /// The points of a depth image, thinned out, in base axes.
 std::vector<Eigen::Vector3f> shownPoints(const DepthImage& image, const Pose& T_base_camera);

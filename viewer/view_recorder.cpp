@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <opencv2/videoio.hpp>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/picture_file.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
+#include "edge_mcl/viewer/video_file.h"
 
 namespace edge_mcl {
-
-struct ViewRecorder::Video {
-  cv::VideoWriter writer;
-};
 
 namespace {
 
@@ -23,18 +18,11 @@ bool endsWith(const std::string& text, const std::string& ending) {
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-void openVideo(const std::string& file, double rate, const cv::Size& size,
-               cv::VideoWriter* writer) {
-  const bool mp4 = endsWith(file, ".mp4");
-  if (!mp4 && !endsWith(file, ".avi")) throw ParameterError(file + ": .mp4 or .avi expected");
+std::vector<std::string> codecsFor(const std::string& file) {
   // H.264, which browsers play, where the encoder is there.
-  const std::vector<int> codecs =
-      mp4 ? std::vector<int>{cv::VideoWriter::fourcc('a', 'v', 'c', '1'),
-                             cv::VideoWriter::fourcc('m', 'p', '4', 'v')}
-          : std::vector<int>{cv::VideoWriter::fourcc('M', 'J', 'P', 'G')};
-  for (int codec : codecs)
-    if (writer->open(file, cv::CAP_FFMPEG, codec, rate, size)) return;
-  throw InputError(file + ": the video cannot be written");
+  if (endsWith(file, ".mp4")) return {"avc1", "mp4v"};
+  if (endsWith(file, ".avi")) return {"MJPG"};
+  throw ParameterError(file + ": .mp4 or .avi expected");
 }
 
 }  // namespace
@@ -49,8 +37,8 @@ ViewRecorder::ViewRecorder(const LocalizationMap* map, const ViewParameters& par
   if (options_.at.empty() && !options_.pictures.empty())
     options_.at = {std::numeric_limits<double>::infinity()};
   if (options_.video.empty()) return;
-  video_ = std::make_unique<Video>();
-  openVideo(options_.video, options_.video_rate, {params.width, params.height}, &video_->writer);
+  video_ = std::make_unique<VideoFile>(options_.video, codecsFor(options_.video),
+                                       options_.video_rate, cv::Size(params.width, params.height));
   written_.push_back(options_.video);
 }
 
@@ -79,7 +67,7 @@ void ViewRecorder::show(const ViewMoment& moment) {
   while (!options_.pictures.empty() && next_picture_ < options_.at.size() &&
          moment.elapsed >= options_.at[next_picture_])
     writeNextPicture(picture);
-  if (video_) video_->writer.write(picture);
+  if (video_) video_->write(picture);
 }
 
 std::string ViewRecorder::summary() const {
@@ -100,9 +88,7 @@ std::string ViewRecorder::summary() const {
 }
 
 void ViewRecorder::close() {
-  if (video_) video_->writer.release();
-  if (video_ && !std::filesystem::exists(options_.video))
-    throw InputError(options_.video + ": cannot be written");
+  if (video_) video_->close();
   video_.reset();
   if (!has_last_ || options_.pictures.empty()) return;
   while (next_picture_ < options_.at.size())

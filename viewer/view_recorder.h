@@ -18,6 +18,8 @@ struct RecorderOptions {
   std::vector<double> at;  ///< s since the first moment, increasing; empty: the last moment
 };
 
+class VideoFile;
+
 class ViewRecorder {
  public:
   /// @throws InputError when the video cannot be written; ParameterError for a bad rate, an order
@@ -27,23 +29,25 @@ class ViewRecorder {
 
   /// @throws InputError when something cannot be written.
   void show(const ViewMoment& moment);
+  /// A model that comes later. It must outlive this object.
+  void setMap(const LocalizationMap* map) { view_.setMap(map); }
   /// Whether this moment would be in a picture or the video.
   bool wants(const ViewMoment& moment) const;
   /// Completes the video, and writes the pictures that were not due yet, of the last moment.
+  /// @throws InputError when not all of it could be written.
   void close();
   const std::vector<std::string>& written() const { return written_; }
   /// One line: moments, states, error where the truth is known.
   std::string summary() const;
 
  private:
-  struct Video;
   void writeNextPicture(const cv::Mat& picture);
 
   RecorderOptions options_;
   ViewParameters params_;
   ViewHistory history_;
   HeadlessView view_;
-  std::unique_ptr<Video> video_;
+  std::unique_ptr<VideoFile> video_;
   ViewMoment last_;
   bool has_last_ = false;
   size_t next_picture_ = 0;

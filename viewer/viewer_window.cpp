@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/picture_file.h"
@@ -16,6 +15,7 @@
 #include "edge_mcl/viewer/panels.h"
 #include "edge_mcl/viewer/pose_pick.h"
 #include "edge_mcl/viewer/scene_view.h"
+#include "edge_mcl/viewer/video_file.h"
 #include "edge_mcl/viewer/view_layout.h"
 #include "edge_mcl/viewer/window_controls.h"
 
@@ -68,6 +68,7 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
     drawAll();
     setVisible(true);
   }
+  ~Window() override { endVideo(); }
 
   std::function<bool()> keep_on;
   std::string last_picture;
@@ -79,14 +80,14 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
     const double now = wallClock();
     if (report.frames++ == 0) first_drawn_ = now;
     report.seconds = now - first_drawn_;
-    if (!requests_.picture && !requests_.video && !video_.isOpened()) return;
+    if (!requests_.picture && !requests_.video && !video_) return;
     cv::Mat pixels(height(), width(), CV_8UC3);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadBuffer(GL_BACK);
     glReadPixels(0, 0, pixels.cols, pixels.rows, GL_BGR, GL_UNSIGNED_BYTE, pixels.data);
     cv::flip(pixels, pixels, 0);
     if (requests_.picture) savePicture(pixels);
-    recordVideo(pixels);
+    recordVideo(pixels, now);
   }
 
   bool keyboardEvent(int key, int scancode, int action, int modifiers) override {
@@ -122,6 +123,13 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
     }
   }
   void requestPicture() { requests_.picture = true; }
+
+  void setMap(const LocalizationMap* map) {
+    map_ = map;
+    space_.setMap(map);
+    has_looked_ = false;
+    requests_.changed = true;
+  }
 
  private:
   void onLoop() {
@@ -182,25 +190,38 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
     return true;
   }
 
-  void recordVideo(const cv::Mat& pixels) {
-    if (!requests_.video && video_.isOpened()) {
-      video_.release();
-      std::fprintf(stderr, "video: %s\n", video_file_.c_str());
+  void recordVideo(const cv::Mat& pixels, double now) {
+    if (!requests_.video) {
+      endVideo();
+      return;
     }
-    if (!requests_.video) return;
-    if (!video_.isOpened()) {
-      video_file_ = freeName(".mp4");
-      video_size_ = {pixels.cols & ~1, pixels.rows & ~1};  // videos have even sizes
-      const int codec = cv::VideoWriter::fourcc('m', 'p', '4', 'v');
-      if (!video_.open(video_file_, cv::CAP_FFMPEG, codec, kVideoRate, video_size_)) {
-        std::fprintf(stderr, "warning: %s: cannot be written\n", video_file_.c_str());
-        requests_.video = false;
-        return;
+    try {
+      if (!video_) {
+        video_size_ = {pixels.cols & ~1, pixels.rows & ~1};  // videos have even sizes
+        video_ = std::make_unique<VideoFile>(freeName(".mp4"), std::vector<std::string>{"mp4v"},
+                                             kVideoRate, video_size_);
+        video_pace_ = VideoPace(kVideoRate, now);
       }
+      int copies = video_pace_.copiesAt(now);
+      if (copies == 0) return;
+      cv::Mat frame;
+      cv::resize(pixels, frame, video_size_);
+      for (; copies > 0; --copies) video_->write(frame);
+    } catch (const InputError& error) {
+      std::fprintf(stderr, "warning: %s\n", error.what());
+      requests_.video = false;
     }
-    cv::Mat frame;
-    cv::resize(pixels, frame, video_size_);
-    video_.write(frame);
+  }
+
+  void endVideo() {
+    const std::unique_ptr<VideoFile> video = std::move(video_);
+    if (!video) return;
+    try {
+      video->close();
+      std::fprintf(stderr, "video: %s\n", video->name().c_str());
+    } catch (const InputError& error) {
+      std::fprintf(stderr, "warning: %s\n", error.what());
+    }
   }
 
   const LocalizationMap* map_;
@@ -217,8 +238,8 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
   bool has_looked_ = false;
   double refreshed_at_ = 0, first_drawn_ = 0;
   std::optional<Eigen::Vector3d> pressed_;
-  cv::VideoWriter video_;
-  std::string video_file_;
+  std::unique_ptr<VideoFile> video_;
+  VideoPace video_pace_{kVideoRate, 0};
 };
 
 ViewerWindow::ViewerWindow(const LocalizationMap* map, const ViewParameters& params,
@@ -237,6 +258,8 @@ ViewerWindow::~ViewerWindow() {
   window_.reset();
   nanogui::shutdown();
 }
+
+void ViewerWindow::setMap(const LocalizationMap* map) { window_->setMap(map); }
 
 WindowReport ViewerWindow::run(const std::function<bool()>& keep_on, const std::string& picture) {
   // The toolkit counts from the end of a frame to the begin of the next.

@@ -26,6 +26,8 @@ class ViewerWindow {
                const std::string& title);
   ~ViewerWindow();
 
+  /// A model that comes later, from `keep_on`. It must outlive this object.
+  void setMap(const LocalizationMap* map);
   /// Until the window is closed or `keep_on` says no. The thread must be that of the constructor.
   /// @param picture written at the end; empty: none.
   WindowReport run(const std::function<bool()>& keep_on, const std::string& picture = "");

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The viewer node shows a live system, and stays up whatever its topics do."""
 import os
+import shlex
 import struct
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import threading
 import time
 import unittest
 
+import roslaunch
 import rospy
 import rostest
 from edge_mcl.msg import DetectedObject, DetectedObjects, Status
@@ -119,6 +121,24 @@ class Viewer(unittest.TestCase):
             faults = [said for name, said in self.texts if name == '/flight_viewer' and 'nothing comes' in said]
         # Before the simulator has begun nothing comes, indeed; later all does.
         self.assertLess(len(faults), 5, faults)
+
+    def test_a_localizer_may_begin_later(self):
+        status = rospy.Publisher('/early/status', Status, queue_size=1)
+        self.wait(lambda: status.get_num_connections() > 0, 20, 'no viewer')
+        self.wait(lambda: self.has_said('/early_viewer', '/early/status'), 20,
+                  'it does not say what is missing')
+        rospy.set_param('/late_localizer/model_file', os.environ['EDGE_MCL_MAPS'] + '/office.obj')
+        status.publish(Status(state=Status.SEARCHING))
+        self.wait(lambda: self.has_said('/early_viewer', 'office.obj'), 20, 'it has no model')
+        self.wait(lambda: is_new(OUT + '/early-1.png'), 30, 'no picture')
+
+    def test_a_bag_may_have_a_space_in_its_path(self):
+        file = roslaunch.rlutil.resolve_launch_arguments(['edge_mcl', 'playback.launch'])[0]
+        config = roslaunch.config.load_config_default(
+            [(file, ['bag:=/home/me/first hour.bag', 'model:=x.obj'])], None, verbose=False,
+            assign_machines=False)
+        player = [n for n in config.nodes if n.name == 'player'][0]
+        self.assertEqual(shlex.split(player.args)[-1], '/home/me/first hour.bag')
 
 
 if __name__ == '__main__':

@@ -76,6 +76,24 @@ TEST(LiveFlight, StopsAtWalls) {
   EXPECT_THROW(flight.command(6, {NAN, 0, 0}, 0), InputError);
 }
 
+/// Cameras ask in the middle between two readings of the IMU, or all but at one.
+TEST(LiveFlight, TellsWhereItIsAroundNowAndBearsShortSteps) {
+  LiveFlight flight(Pose::Identity(), {}, everywhere);
+  flight.advance(0);
+  Pose before = flight.pose();
+  for (int i = 1; i <= 60; ++i) {
+    before = flight.pose();
+    flight.command(i * 0.01, {1, 0.5, 0}, 0.8);
+    flight.advance(i * 0.01);
+  }
+  EXPECT_LT((flight.poseNear(0.59).translation() - before.translation()).norm(), 5e-4);
+  EXPECT_LT(rotationAngle(flight.poseNear(0.59), before), 1e-9);
+  EXPECT_GT((flight.poseNear(0.61).translation() - flight.pose().translation()).norm(), 2e-3);
+  const Eigen::Vector3d turn = flight.angularVelocity();
+  flight.advance(0.6 + 1e-15);
+  EXPECT_LT((flight.angularVelocity() - turn).norm(), 1e-6);
+}
+
 /// A perfect sensor's specific force, turned into the map and freed of gravity, is what integrates
 /// to the velocity.
 TEST(LiveFlight, ItsInertialReadingsIntegrateToItsMotion) {

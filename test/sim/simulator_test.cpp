@@ -12,7 +12,9 @@
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/sequence.h"
 #include "edge_mcl/mrpt_plugins/sequence_localizer.h"
+#include "edge_mcl/sim/random_flight.h"
 #include "edge_mcl/sim/sequence_writer.h"
+#include "support/scenes.h"
 
 namespace edge_mcl {
 namespace {
@@ -162,6 +164,39 @@ TEST_F(SimulatorTest, FaultsSpoilTheImageAlone) {
   EXPECT_GT(cv::norm(a.color, c.color, cv::NORM_L1), 1e5);
 }
 
+/// The node takes images so, the recorder by next().
+TEST_F(SimulatorTest, APathIsBlurredAlikeHoweverItIsTaken) {
+  Scenario s = Scenario::fromYamlFile(scenario());
+  s.faults.noise = 0;
+  s.faults.exposure_time = 0.1;
+  Simulator recorder(s), node(s), at_rest(s);
+  const auto cameraAt = [&](double time) { return s.cameraAt(time); };
+  RecordedFrame a, b, c;
+  for (size_t i = 0; i < 2; ++i) {
+    recorder.next(&a);
+    node.take(a.time, cameraAt, true, &b);
+    at_rest.take(a.time, s.cameraAt(a.time), true, &c);
+  }
+  EXPECT_EQ(cv::norm(a.color, b.color, cv::NORM_L1), 0);
+  EXPECT_EQ(cv::norm(a.depth, b.depth, cv::NORM_L1), 0);
+  EXPECT_TRUE(a.odometry->isApprox(*b.odometry, 1e-12));
+  EXPECT_GT(cv::norm(a.color, c.color, cv::NORM_L1), 1e5);
+}
+
+/// Between the images the path goes round; a straight line would not.
+TEST_F(SimulatorTest, FewImagesDoNotCutCorners) {
+  const std::string through_the_door =
+      "path:\n"
+      "  - {time: 0, position: [5.4, 4.6, 1.4]}\n"
+      "  - {time: 2, position: [5.4, 2.9, 1.4]}\n"
+      "  - {time: 4, position: [6.6, 2.9, 1.4]}\n"
+      "  - {time: 6, position: [6.6, 4.6, 1.4]}\n";
+  Scenario s = Scenario::fromYamlFile(scenario("clearance: 0\n", through_the_door));
+  EXPECT_NO_THROW(Simulator{s});
+  s.rate = 1.0 / 6;
+  EXPECT_NO_THROW(Simulator{s});
+}
+
 TEST_F(SimulatorTest, DroppedImagesAreAboutAsManyAsAskedFor) {
   Scenario s = Scenario::fromYamlFile(scenario());
   s.rate = 200;
@@ -202,10 +237,48 @@ TEST_F(SimulatorTest, BadScenariosAreOneClearLine) {
   EXPECT_TRUE(has(messageOf(scenario("clearance: 0\n",
                                      "path:\n  - {time: 0, position: [5, 1.2, 1.4]}\n"
                                      "  - {time: 2, position: [7, 1.2, 1.4]}\n")),
-                  "leads through the building at 1.00 s"));
+                  "leads through the building at 0.97 s"));
+  for (const char* key : {"position", "angle_deg", "per_metre", "per_radian"})
+    for (const char* value : {".nan", ".inf", "-0.1"})
+      EXPECT_TRUE(has(messageOf(scenario("odometry: {" + std::string(key) + ": " + value + "}\n")),
+                      "odometry: " + std::string(key) + " must be between"))
+          << key << value;
+  for (const char* key : {"accelerometer", "gyroscope", "accelerometer_walk", "gyroscope_walk"})
+    EXPECT_TRUE(has(messageOf(scenario("imu: {" + std::string(key) + ": .nan}\n")),
+                    "imu: " + std::string(key) + " must be between"))
+        << key;
   EXPECT_TRUE(has(messageOf((folder_ / "missing.yaml").string()), "cannot be read"));
   std::ofstream(folder_ / "broken.yaml") << "model: [unclosed\n";
   EXPECT_NE(messageOf((folder_ / "broken.yaml").string()), "");
+}
+
+TEST_F(SimulatorTest, NothingOfAUserIsOverwritten) {
+  const Scenario s = Scenario::fromYamlFile(scenario());
+  const Simulator simulator(s);
+  const fs::path out = folder_ / "mine";
+  for (const char* name : {"rgb.txt", "depth.txt", "mask.txt", "groundtruth.txt", "odometry.txt",
+                           "imu.txt", "model.obj", "camera.yaml", "sequence.yaml"}) {
+    fs::remove_all(out);
+    fs::create_directories(out);
+    std::ofstream(out / name) << "mine";
+    EXPECT_THROW(SequenceWriter(out.string(), simulator.setup(), s.model_file, {}), InputError)
+        << name;
+    EXPECT_EQ(contentOf(out / name), "mine");
+    EXPECT_EQ(std::distance(fs::directory_iterator(out), fs::directory_iterator()), 1) << name;
+  }
+}
+
+TEST_F(SimulatorTest, ARecordingIsCalledAsItsDirectory) {
+  const Scenario s = Scenario::fromYamlFile(scenario());
+  for (const std::string name : {"plain", "a: 'b' #1", "[12"}) {
+    const std::string out = (folder_ / name).string();
+    Simulator simulator(s);
+    SequenceWriter writer(out + "/", simulator.setup(), s.model_file, {"it's: noted"});
+    RecordedFrame frame;
+    simulator.next(&frame);
+    writer.write(frame);
+    EXPECT_EQ(readSequence(out).name, name);
+  }
 }
 
 /// A limit on the size of files stands for a disk that is full.
@@ -262,6 +335,15 @@ TEST_F(SimulatorTest, RandomFlightsAreClearAndGoByTheirSeed) {
   EXPECT_EQ(ends[0], ends[3]);
   EXPECT_NE(ends[0], ends[1]);
   EXPECT_NE(ends[1], ends[2]);
+}
+
+TEST(RandomFlight, MayBeLongInAWideHall) {
+  MeshSoup soup;
+  test::addBox(&soup, {0, 0, 0}, {60, 60, 8}, 0, true);
+  const Scene scene(weldMesh(std::move(soup), 1e-6, "hall"));
+  RandomFlight request;
+  request.duration = 300;
+  EXPECT_GE(randomFlight(scene, request, "hall").end(), 300);
 }
 
 TEST(Maps, AreWhatTheirScriptMakes) {

@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "edge_mcl/core/error.h"
 #include "edge_mcl/core/overlay.h"
 #include "edge_mcl/viewer/view_colors.h"
 #include "support/scenes.h"
@@ -183,6 +187,69 @@ TEST_F(HeadlessPicture, IsDrawnWhateverIsMissing) {
   EXPECT_TRUE(looksRight(m)) << "a grey image";
 }
 
+TEST_F(HeadlessPicture, ImagesOfAnyKindLookAlike) {
+  cv::Mat grey, with_alpha, deep, deep_grey;
+  cv::cvtColor(scene_.moment.image, grey, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(scene_.moment.image, with_alpha, cv::COLOR_BGR2BGRA);
+  scene_.moment.image.convertTo(deep, CV_16U, 256);
+  grey.convertTo(deep_grey, CV_16U, 256);
+  const auto panels = [&](const cv::Mat& image, bool with_mask) {
+    ViewMoment m = scene_.moment;
+    m.image = image;
+    m.mask.release();
+    if (with_mask) m.mask = cv::Mat(image.size(), CV_8U, cv::Scalar(0));
+    if (with_mask) m.mask(cv::Rect(20, 30, 100, 80)).setTo(255);
+    const cv::Mat picture = draw(m);
+    const ViewLayout layout = layoutOf(picture.size(), image.size());
+    return picture(layout.edges | layout.masks).clone();
+  };
+  for (const bool with_mask : {false, true}) {
+    const cv::Mat in_color = panels(scene_.moment.image, with_mask);
+    const cv::Mat in_grey = panels(grey, with_mask);
+    const double pixels = static_cast<double>(in_color.total());
+    EXPECT_LT(cv::norm(panels(with_alpha, with_mask), in_color, cv::NORM_L1), pixels);
+    EXPECT_LT(cv::norm(panels(deep, with_mask), in_color, cv::NORM_L1), pixels);
+    EXPECT_LT(cv::norm(panels(deep_grey, with_mask), in_grey, cv::NORM_L1), pixels);
+    // What the localizer does not take is no reason to end.
+    EXPECT_NO_THROW(panels(cv::Mat(grey.size(), CV_32F, cv::Scalar(1)), with_mask));
+    EXPECT_NO_THROW(panels(cv::Mat(grey.size(), CV_8UC2, cv::Scalar(1, 1)), with_mask));
+  }
+}
+
+TEST_F(HeadlessPicture, ImagesMayChangeTheirSizeOrBeMissing) {
+  for (const cv::Size& first : {cv::Size(1280, 720), cv::Size()}) {
+    HeadlessView view(scene_.map.get(), params_);
+    ViewHistory history;
+    history.add(scene_.moment);
+    for (const cv::Size& size :
+         {first, cv::Size(), cv::Size(1280, 720), cv::Size(640, 480), cv::Size(480, 640)}) {
+      ViewMoment m = scene_.moment;
+      m.mask.release();
+      m.image.release();
+      if (!size.empty()) cv::resize(scene_.moment.image, m.image, size);
+      cv::Mat picture;
+      ASSERT_NO_THROW(picture = view.draw(m, history.view(1, params_.strip_seconds))) << size;
+      const cv::Mat space = picture(layoutOf(picture.size(), first).space);
+      cv::Scalar mean, spread;
+      cv::meanStdDev(space, mean, spread);
+      EXPECT_GT(spread[1], 5) << "a model is more than its background; " << size;
+    }
+  }
+}
+
+TEST_F(HeadlessPicture, TheModelMayComeLater) {
+  HeadlessView view(nullptr, params_);
+  ViewHistory history;
+  history.add(scene_.moment);
+  const auto space = [&] {
+    const cv::Mat picture = view.draw(scene_.moment, history.view(1, params_.strip_seconds));
+    return picture(layoutOf(picture.size(), scene_.moment.image.size()).space).clone();
+  };
+  const cv::Mat without = space();
+  view.setMap(scene_.map.get());
+  EXPECT_GT(cv::norm(space(), without, cv::NORM_L1), 5.0 * static_cast<double>(without.total()));
+}
+
 TEST_F(HeadlessPicture, SwitchesLeaveThingsOut) {
   const auto greens = [&] {
     const cv::Mat picture = draw(scene_.moment);
@@ -196,6 +263,24 @@ TEST_F(HeadlessPicture, SwitchesLeaveThingsOut) {
   EXPECT_GT(greens(), 300);
   params_.model_edges = false;
   EXPECT_LT(greens(), 20);
+}
+
+/// As where no driver is installed. Ends the process, with 7 when all is as it should be.
+void drawWithoutEgl() {
+  setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
+  try {
+    HeadlessView(nullptr, ViewParameters()).draw(ViewMoment(), HistoryView());
+  } catch (const InputError& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    std::exit(std::strchr(e.what(), '\n') == nullptr ? 7 : 1);
+  }
+  std::exit(2);
+}
+
+TEST(HeadlessViewDeathTest, SaysInOneLineThatNothingCanBeRendered) {
+  // EGL looks for drivers once a process: this one has none yet.
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(drawWithoutEgl(), testing::ExitedWithCode(7), "nothing can be rendered here");
 }
 
 TEST(Overlay, EnlargedIsTheSameAtItsPlace) {

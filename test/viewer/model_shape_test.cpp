@@ -85,6 +85,25 @@ TEST(PosePick, HeadsWhereTheMouseWasDrawn) {
   EXPECT_LT((kept.mean.linear() - moment.estimate.mean.linear()).norm(), 1e-9);
 }
 
+/// In a sequence directory the base is the camera's optical frame.
+TEST(PosePick, TheCameraLooksAlongTheGroundWhateverAxesItsBaseHas) {
+  ViewMoment moment;
+  moment.has_camera = true;
+  const Pose turned(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()));
+  for (const Pose& mounting : {Pose::Identity(), turned, opticalOnBody()}) {
+    moment.T_base_camera = mounting;
+    const PoseGaussian pose = poseFromPick(moment, {1, 2, 0}, {1, 4, 0});
+    const Eigen::Matrix3d camera = (pose.mean * mounting).linear();
+    EXPECT_LT((camera.col(2) - Eigen::Vector3d::UnitY()).norm(), 1e-9) << "where it looks";
+    EXPECT_LT((camera.col(1) + Eigen::Vector3d::UnitZ()).norm(), 1e-9) << "upright";
+  }
+  // A camera that looks down on a base that is level.
+  moment.T_base_camera.linear() =
+      Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const PoseGaussian level = poseFromPick(moment, {1, 2, 0}, {1, 2, 0});
+  EXPECT_LT((level.mean.linear() - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+}
+
 TEST(ViewLayout, FillsTheWindowWithoutOverlap) {
   for (const cv::Size image : {cv::Size(), cv::Size(640, 480), cv::Size(752, 480),
                                cv::Size(1920, 1080), cv::Size(480, 640), cv::Size(4000, 10)})

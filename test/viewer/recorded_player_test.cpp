@@ -163,6 +163,11 @@ TEST(MomentStore, GivesBackWhatItTookWithinItsMemory) {
   EXPECT_TRUE(oldest.image.empty());
   EXPECT_TRUE(oldest.has_pose);
   EXPECT_THROW(store.get(200), Error);
+  // Of 16 bits the upper ones.
+  scene.moment.image.convertTo(m.image, CV_16U, 256);
+  store.add(m);
+  cv::absdiff(store.get(200).image, scene.moment.image, difference);
+  EXPECT_LT(cv::mean(difference)[1], 3);
 }
 
 TEST(ViewHistory, IsBoundedAndThinsOutLongPaths) {

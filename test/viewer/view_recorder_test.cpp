@@ -2,13 +2,16 @@
 #include "edge_mcl/viewer/view_recorder.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/viewer/video_file.h"
 #include "viewer/view_scenes.h"
 
 namespace edge_mcl {
@@ -84,6 +87,46 @@ TEST_F(Recorder, SaysWhatCannotBeWritten) {
   o.video = file("ok.mp4");
   o.video_rate = 0;
   EXPECT_THROW(make(o), ParameterError);
+}
+
+/// A limit on the size of files stands for a disk that is full.
+TEST_F(Recorder, AFullDiskIsSaid) {
+  for (const char* name : {"full.mp4", "full.avi"}) {
+    RecorderOptions options;
+    options.video = file(name);
+    ViewRecorder recorder(scene_.map.get(), params_, options);
+    recorder.show(scene_.moment);
+    const auto previous = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit small{2000, before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    std::string message;
+    try {
+      for (int i = 0; i < 12; ++i) recorder.show(scene_.moment);
+      recorder.close();
+    } catch (const InputError& e) {
+      message = e.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, previous);
+    EXPECT_NE(message.find(name), std::string::npos) << name << ": " << message;
+    EXPECT_NE(message.find("cannot be written"), std::string::npos) << message;
+  }
+}
+
+TEST(VideoPace, AVideoIsAsLongAsItTook) {
+  for (const double shown : {3.0, 25.0, 60.0}) {  // pictures per second
+    VideoPace pace(25, 100);
+    EXPECT_EQ(pace.copiesAt(100), 1);
+    int written = 1;
+    for (int i = 1; i <= 8 * shown; ++i) written += pace.copiesAt(100 + i / shown);
+    EXPECT_NEAR(written, 8 * 25, 1) << shown;
+  }
+  VideoPace pace(25, 0);
+  EXPECT_EQ(pace.copiesAt(1000), 250) << "after a long pause";
+  EXPECT_EQ(pace.copiesAt(1000.01), 0) << "which is done with";
+  EXPECT_EQ(pace.copiesAt(1000.05), 1);
 }
 
 }  // namespace
