@@ -14,6 +14,7 @@
 #include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/pose_filter.h"
+#include "output_files.h"
 #include "progress_bar.h"
 
 namespace edge_mcl {
@@ -72,7 +73,7 @@ int run(const BasinOptions& o) {
   LocalizationMap map(model, params);
   chooseBackend(&map);
   std::vector<double> position, angle;
-  size_t good = 0, total = 0;
+  size_t good = 0, total = 0, unusable = 0;
   nlohmann::json images = nlohmann::json::array();
   ProgressBar bar("basin", sequence.frames.size());
   for (size_t f = 0; f < sequence.frames.size(); ++f) {
@@ -87,6 +88,7 @@ int run(const BasinOptions& o) {
                           frame.image_file);
     } catch (const InputError& e) {
       bar.note(std::string("warning: ") + e.what());
+      ++unusable;
       continue;
     }
     std::vector<Trial> trials(o.trials);
@@ -107,17 +109,17 @@ int run(const BasinOptions& o) {
   const double share = static_cast<double>(good) / static_cast<double>(total);
   const ErrorSummary p = summarize(position), a = summarize(angle);
   if (o.json) {
-    std::printf("%s\n", nlohmann::json({{"sequence", sequence.name},
-                                        {"offset_m", o.offset},
-                                        {"angle_deg", o.angle},
-                                        {"repeats", o.repeats},
-                                        {"trials", total},
-                                        {"success", share},
-                                        {"position_error_median_m", p.median},
-                                        {"rotation_error_median_deg", a.median},
-                                        {"images", images}})
-                            .dump(1)
-                            .c_str());
+    const nlohmann::json j = {{"sequence", sequence.name},
+                              {"offset_m", o.offset},
+                              {"angle_deg", o.angle},
+                              {"repeats", o.repeats},
+                              {"trials", total},
+                              {"success", share},
+                              {"position_error_median_m", p.median},
+                              {"rotation_error_median_deg", a.median},
+                              {"unusable_images", unusable},
+                              {"images", images}};
+    std::printf("%s\n", textOf(j).c_str());
   } else {
     std::printf(
         "%s: start %.2f m and %.1f deg off, %d looks at one image, %zu trials: "
@@ -125,7 +127,7 @@ int run(const BasinOptions& o) {
         sequence.name.c_str(), o.offset, o.angle, o.repeats, total, 100 * share, 100 * p.median,
         a.median);
   }
-  return kExitOk;
+  return unusable == 0 ? kExitOk : kExitIncomplete;
 }
 
 }  // namespace

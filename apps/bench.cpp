@@ -20,6 +20,7 @@
 #include "edge_mcl/gpu/workload_export.h"
 #include "edge_mcl/mrpt_plugins/backend_choice.h"
 #include "gather_limit.h"
+#include "output_files.h"
 #include "soak.h"
 #include "stage_times.h"
 
@@ -89,7 +90,7 @@ int run(const BenchOptions& o) {
 
   if (o.depth) {
     const nlohmann::json j = timeDepth(map, sequence, frame, poses, o.repeats, !o.json);
-    if (o.json) std::printf("%s\n", j.dump(1).c_str());
+    if (o.json) std::printf("%s\n", textOf(j).c_str());
     return kExitOk;
   }
 
@@ -183,7 +184,7 @@ int run(const BenchOptions& o) {
   };
   if (o.json) {
     if (!o.table.empty()) j["table"] = timeSizes();
-    std::printf("%s\n", j.dump(1).c_str());
+    std::printf("%s\n", textOf(j).c_str());
     return kExitOk;
   }
   std::printf("%s, image %zu: %zu particles, %.0f samples each (after culling), %s\n",
@@ -228,19 +229,24 @@ void addBench(CLI::App* app, Action* action) {
                 "thin the model's samples out to about so many per particle, for all contenders");
   c->add_option("--spread-position", o->spread_position, "spread of the particles, m");
   c->add_option("--spread-angle", o->spread_angle_deg, "spread of the particles, deg");
-  c->add_option(
+  CLI::Option* soaking = c->add_option(
       "--soak", o->soak,
       "instead of timing: so many updates in a row, with the resident size along the way");
-  c->add_flag("--depth", o->depth, "time the depth likelihood instead");
+  CLI::Option* depth =
+      c->add_flag("--depth", o->depth, "time the depth likelihood instead")->excludes(soaking);
   c->add_option("--table", o->table,
                 "numbers of particles for a table like the paper's Table 1, e.g. "
                 "100,500,1000,5000,50000,1000000")
       ->delimiter(',')
-      ->check(CLI::Range(1, 10000000));
+      ->check(CLI::Range(1, 10000000))
+      ->excludes(soaking)
+      ->excludes(depth);
   c->add_option("--dump-workload", o->dump_workload,
                 "file for `edge_mcl_gpu_check`: this image and these particles, for a machine with "
-                "a GPU and nothing else");
-  c->add_flag("--json", o->json, "print the result as JSON");
+                "a GPU and nothing else")
+      ->excludes(soaking)
+      ->excludes(depth);
+  c->add_flag("--json", o->json, "print the result as JSON")->excludes(soaking);
   o->parameters.addTo(c);
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }

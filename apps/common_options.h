@@ -26,9 +26,10 @@ class ParameterOptions {
 /// Exit codes of the tool.
 enum ExitCode : int {
   kExitOk = 0,
-  kExitUsage = 2,       ///< wrong options or parameters
-  kExitInput = 3,       ///< a file is missing or broken: nothing or only a part was done
-  kExitIncomplete = 4,  ///< ran to the end, but some images could not be used, or no pose was found
+  kExitUsage = 2,  ///< wrong options or parameters
+  kExitInput = 3,  ///< a file is missing or broken: nothing or only a part was done
+  /// Ran to the end, but some images could not be used or are missing, or no pose was found.
+  kExitIncomplete = 4,
   kExitInternal = 5
 };
 

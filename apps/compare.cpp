@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
@@ -50,6 +51,31 @@ void checkRate(const CompareOptions& o) {
                          " were made with another; take another directory");
 }
 
+/// Of the same text on every machine, however long.
+std::string fingerprintOf(const std::string& text) {
+  uint64_t hash = 1469598103934665603ull;  // FNV-1a
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  char hex[17];
+  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
+  return hex;
+}
+
+/// Flights and runs are kept by the name of their sequence: under a name there must be one only.
+void checkSource(const CompareOptions& o, const std::string& name, const std::string& source,
+                 const std::string& fingerprint) {
+  const std::string file = o.out + "/sources.json";
+  nlohmann::json kept = nlohmann::json::object();
+  if (std::ifstream in(file); in) kept = nlohmann::json::parse(in, nullptr, false);
+  if (!kept.is_object()) throw InputError(file + ": broken; take another directory");
+  if (!kept.contains(name)) {
+    kept[name] = fingerprint;
+    writeJson(file, kept);
+  } else if (kept[name] != fingerprint) {
+    throw InputError(source + ": what " + o.out + " holds of " + name +
+                     " was made of another one; take another directory");
+  }
+}
+
 /// Results are kept by the names of their sequences.
 void checkNames(const std::vector<std::pair<std::string, Sequence>>& sequences) {
   std::set<std::string> names;
@@ -64,6 +90,10 @@ void checkNames(const std::vector<std::pair<std::string, Sequence>>& sequences) 
 /// The sequence of a flight: simulated where it is not there yet, as a whole.
 std::string simulated(const std::string& scenario_file, const CompareOptions& o) {
   const std::string name = fs::path(scenario_file).stem().string();
+  std::ifstream in(scenario_file);
+  if (!in) throw InputError(scenario_file + ": cannot be read");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  checkSource(o, name, scenario_file, fingerprintOf("flight " + text));
   const fs::path directory = fs::path(o.out) / "flights" / name;
   if (fs::exists(directory)) return directory.string();
   const fs::path partial = fs::path(o.out) / "unfinished" / name;
@@ -196,6 +226,14 @@ std::string commandOf(const CompareOptions& o) {
     std::snprintf(rate, sizeof rate, " --rate %g", o.rate);
     text += rate;
   }
+  const CompareOptions defaults;
+  for (const std::string& m : o.methods) text += " --method " + m;
+  if (o.budget_ms != defaults.budget_ms) {
+    char budget[32];
+    std::snprintf(budget, sizeof budget, " --budget-ms %g", o.budget_ms);
+    text += budget;
+  }
+  if (o.core >= 0) text += " --core " + std::to_string(o.core);
   if (o.bench) text += " --bench";
   return text + (o.report.empty() ? "" : " --report docs/comparison.md");
 }
@@ -231,6 +269,10 @@ int run(const CompareOptions& o) {
   std::vector<std::pair<std::string, Sequence>> sequences;
   for (const std::string& d : directories) sequences.emplace_back(d, readSequence(d));
   checkNames(sequences);
+  for (const auto& [directory, sequence] : sequences)
+    if (std::find(o.sequences.begin(), o.sequences.end(), directory) != o.sequences.end())
+      checkSource(o, sequence.name, directory,
+                  fingerprintOf("directory " + fs::canonical(directory).string()));
   Plan plan(o, std::move(sequences));
   Comparison comparison = plan.run();
   comparison.machine = processor();

@@ -92,9 +92,7 @@ void runAndKeep(const RunRequest& r, int core, const std::string& file) {
   if (sched_setaffinity(0, sizeof cores, &cores) != 0)
     throw InputError("core " + std::to_string(core) + " is not to be had");
   const ComparedRun run = runCompared(r.method, r.directory, r.seed, r.particles);
-  // A file with the name of a result is a whole result.
-  writeJson(file + ".part", toJson(run));
-  fs::rename(file + ".part", file);
+  writeJson(file, toJson(run));
 }
 
 }  // namespace edge_mcl

@@ -30,7 +30,8 @@ int run(const ConvertOptions& o) {
       recorderForFile(o.out, setupOf(sequence, T_base_camera), params.filter);
   if (!recorder) throw InputError(o.out + ": the name must end in " + o.ending);
   ProgressBar bar("convert", sequence.frames.size());
-  auto depth = sequence.depths.begin();
+  // A rawlog has no place for depth: it need not be readable.
+  auto depth = o.ending == ".rawlog" ? sequence.depths.end() : sequence.depths.begin();
   size_t left_out = 0;
   const auto leaveOut = [&](const InputError& e) {
     bar.note(std::string("warning: ") + e.what() + ", left out");

@@ -8,6 +8,7 @@
 #include "edge_mcl/core/overlay.h"
 #include "edge_mcl/core/picture_file.h"
 #include "edge_mcl/core/trajectory_evaluation.h"
+#include "output_files.h"
 
 namespace edge_mcl {
 
@@ -34,36 +35,32 @@ int run(const EvaluateOptions& o) {
   if (reference.empty()) throw InputError(o.reference + ": no poses in it");
   const TrajectoryErrors e =
       evaluateTrajectory(estimate, reference, o.max_dt, o.position_limit, o.rotation_limit);
-  // A reference is often denser than the images.
-  const double of_matched = e.matched > 0
-                                ? e.success_share * static_cast<double>(e.reference_poses) /
-                                      static_cast<double>(e.matched)
-                                : 0;
   if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, reference));
+  // No errors where there is no pair: zeros would look like a perfect result.
+  const ExitCode code = e.matched > 0 ? kExitOk : kExitIncomplete;
   if (o.json) {
-    std::printf("%s\n", nlohmann::json({{"reference_poses", e.reference_poses},
-                                        {"matched", e.matched},
-                                        {"position_m", jsonOf(e.position_summary)},
-                                        {"rotation_deg", jsonOf(e.rotation_summary)},
-                                        {"relative_position_m", jsonOf(e.relative_position)},
-                                        {"relative_rotation_deg", jsonOf(e.relative_rotation)},
-                                        {"success_share", e.success_share},
-                                        {"success_share_of_matched", of_matched}})
-                            .dump(1)
-                            .c_str());
-    return kExitOk;
+    nlohmann::json j = {{"reference_poses", e.reference_poses}, {"matched", e.matched}};
+    if (e.matched > 0)
+      j.update({{"position_m", jsonOf(e.position_summary)},
+                {"rotation_deg", jsonOf(e.rotation_summary)},
+                {"relative_position_m", jsonOf(e.relative_position)},
+                {"relative_rotation_deg", jsonOf(e.relative_rotation)},
+                {"success_share", e.success_share},
+                {"success_share_of_matched", e.success_share_of_matched}});
+    std::printf("%s\n", textOf(j).c_str());
+    return code;
   }
   std::printf("%zu reference poses, %zu matched within %g s\n", e.reference_poses, e.matched,
               o.max_dt);
-  if (e.matched > 0) {
-    print("absolute position", "cm", 100, e.position_summary);
-    print("absolute rotation", "deg", 1, e.rotation_summary);
-    print("relative position per step", "cm", 100, e.relative_position);
-    print("relative rotation per step", "deg", 1, e.relative_rotation);
-  }
+  if (e.matched == 0) return code;
+  print("absolute position", "cm", 100, e.position_summary);
+  print("absolute rotation", "deg", 1, e.rotation_summary);
+  print("relative position per step", "cm", 100, e.relative_position);
+  print("relative rotation per step", "deg", 1, e.relative_rotation);
   std::printf("within %g m and %g deg: %.1f %% of the matched, %.1f %% of the reference poses\n",
-              o.position_limit, o.rotation_limit, 100 * of_matched, 100 * e.success_share);
-  return kExitOk;
+              o.position_limit, o.rotation_limit, 100 * e.success_share_of_matched,
+              100 * e.success_share);
+  return code;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/overlay.h"
 #include "edge_mcl/core/picture_file.h"
+#include "output_files.h"
 
 namespace edge_mcl {
 
@@ -55,7 +56,7 @@ int run(const InspectOptions& o) {
                         {"warnings", findings(map)}};
     for (int k = 0; k < kEdgeKinds; ++k)
       j["edges"][edgeKindName(static_cast<EdgeKind>(k))] = edges.countOf(static_cast<EdgeKind>(k));
-    std::printf("%s\n", j.dump(1).c_str());
+    std::printf("%s\n", textOf(j).c_str());
     return kExitOk;
   }
   std::printf("%s\n", o.model.c_str());

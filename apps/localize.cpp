@@ -75,9 +75,9 @@ Trajectory truthOf(const Sequence& sequence) {
 }
 
 int run(const LocalizeOptions& o) {
+  for (const std::string& file : {o.out, o.stats, o.plot}) checkOutput(file);
   if (kindOf(o.recording) != RecordingKind::kDirectory) return localizeRecorded(o);
-  if (!o.topics.empty() || !o.initial_pose.empty())
-    throw ParameterError("--topics and --initial-pose belong to a bag or rawlog");
+  checkOptionsOfDirectory(o);
   const Parameters params = parametersOf(o);
   Sequence sequence = readSequence(o.recording);
   if (!o.masks.empty()) useMasks(o.masks, &sequence);
@@ -138,7 +138,6 @@ int run(const LocalizeOptions& o) {
   }
 
   const Trajectory truth = truthOf(sequence);
-  if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, truth));
   const ErrorSummary timing = summarize(update_ms);
   nlohmann::json summary;
   summary["sequence"] = sequence.name;
@@ -155,13 +154,15 @@ int run(const LocalizeOptions& o) {
   summary["update_ms_p90"] = timing.p90;
   if (!truth.empty() && !estimate.empty()) {
     const TrajectoryErrors e = evaluateTrajectory(estimate, truth);
-    summary["position_error_median_m"] = e.position_summary.median;
-    summary["rotation_error_median_deg"] = e.rotation_summary.median;
-    summary["within_10cm_3deg"] = e.success_share;
+    if (e.matched > 0) {
+      summary["position_error_median_m"] = e.position_summary.median;
+      summary["rotation_error_median_deg"] = e.rotation_summary.median;
+      summary["within_10cm_3deg"] = e.success_share;
+    }
   }
   if (!o.stats.empty()) writeJson(o.stats, {{"summary", summary}, {"images", per_image}});
   if (o.json) {
-    std::printf("%s\n", summary.dump(1).c_str());
+    std::printf("%s\n", textOf(summary).c_str());
   } else {
     std::printf("%s: %zu images, %zu unusable, %d particles, %s, update median %.1f ms\n",
                 sequence.name.c_str(), sequence.frames.size(), unusable, params.filter.particles,
@@ -176,6 +177,7 @@ int run(const LocalizeOptions& o) {
                   100 * summary["within_10cm_3deg"].get<double>());
     std::printf("trajectory: %s\n", o.out.c_str());
   }
+  if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, truth));
   if (estimate.empty()) sayThatNoPoseWasFound(sequence.name);
   return unusable > 0 || estimate.empty() ? kExitIncomplete : kExitOk;
 }

@@ -70,7 +70,8 @@ int localizeRecorded(const LocalizeOptions& o) {
     input.up.reset();
     if (!problem.empty()) r.problem = problem;
     if (!r.problem.empty()) bar.note("warning: " + r.problem);
-    if (!r.updated) ++unusable;
+    // One of a robot at rest is not needed, and has no problem.
+    if (!r.updated && !r.problem.empty()) ++unusable;
     if (r.late) continue;
     char time[32];
     std::snprintf(time, sizeof time, "%.6f", input.time);
@@ -88,7 +89,6 @@ int localizeRecorded(const LocalizeOptions& o) {
                                      r.estimate.mean * input.views.front().T_base_camera));
     }
   }
-  if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, recording.truth()));
   nlohmann::json summary{{"recording", o.recording},
                          {"model", o.model},
                          {"backend", map->backend().name()},
@@ -97,33 +97,37 @@ int localizeRecorded(const LocalizeOptions& o) {
                          {"images_with_odometry", with_odometry},
                          {"states", states},
                          {"update_ms_median", summarize(update_ms).median}};
-  TrajectoryErrors errors;
-  if (!recording.truth().empty() && !estimate.empty()) {
-    errors = evaluateTrajectory(estimate, recording.truth());
+  const TrajectoryErrors errors = evaluateTrajectory(estimate, recording.truth());
+  if (errors.matched > 0) {
+    summary["matched_with_truth"] = errors.matched;
     summary["position_error_median_m"] = errors.position_summary.median;
     summary["rotation_error_median_deg"] = errors.rotation_summary.median;
-    summary["within_10cm_3deg"] = errors.success_share;
+    summary["within_10cm_3deg"] = errors.success_share_of_matched;
   }
   if (!o.stats.empty()) writeJson(o.stats, {{"summary", summary}, {"images", images}});
   if (o.json) {
-    std::printf("%s\n", summary.dump(1).c_str());
+    std::printf("%s\n", textOf(summary).c_str());
   } else {
     std::printf("%s: %zu images, %zu not used, update median %.1f ms;", o.recording.c_str(),
                 recording.imageCount(), unusable, summarize(update_ms).median);
     for (const auto& [state, count] : states) std::printf(" %s %zu", state.c_str(), count);
     std::printf("\n");
-    if (!recording.truth().empty() && !estimate.empty())
-      std::printf("error: median %.2f cm, %.2f deg; within 10 cm and 3 deg: %.1f %%\n",
-                  100 * errors.position_summary.median, errors.rotation_summary.median,
-                  100 * errors.success_share);
+    if (errors.matched > 0)
+      std::printf(
+          "error: median %.2f cm, %.2f deg; within 10 cm and 3 deg: %.1f %% of %zu poses with "
+          "truth\n",
+          100 * errors.position_summary.median, errors.rotation_summary.median,
+          100 * errors.success_share_of_matched, errors.matched);
     std::printf("trajectory of the base: %s\n", o.out.c_str());
   }
+  if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, recording.truth()));
   if (with_odometry == 0)
     std::fprintf(stderr,
                  "warning: %s: no odometry in it for any image; steady motion was assumed\n",
                  o.recording.c_str());
   if (estimate.empty()) sayThatNoPoseWasFound(o.recording);
-  return unusable > 0 || estimate.empty() ? kExitIncomplete : kExitOk;
+  const bool complete = unusable == 0 && !estimate.empty() && recording.damage().empty();
+  return complete ? kExitOk : kExitIncomplete;
 }
 
 }  // namespace edge_mcl

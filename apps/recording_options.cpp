@@ -11,6 +11,9 @@
 #include "edge_mcl/mrpt_plugins/rawlog_input.h"
 #include "edge_mcl/mrpt_plugins/sequence_input.h"
 #ifdef EDGE_MCL_HAS_ROS
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+
 #include "edge_mcl/nodes/bag_reader.h"
 #endif
 
@@ -22,18 +25,24 @@ void RecordingOptions::addTo(CLI::App* c) {
                 "(see docs/ros.md) or a rawlog")
       ->required();
   c->add_option("--model", model, "model file, if not SEQUENCE/model.obj");
-  c->add_option("--initial-std", initial_std, "spread of the first particles as metres,degrees");
-  c->add_flag("--global", global,
-              "do not begin at the initial pose but look for the camera in the whole model")
-      ->excludes("--initial-std");
-  c->add_option("--up", up,
-                "the same, knowing which way is up in the first image: x,y,z in the axes of the "
-                "camera (of a bag or rawlog: of the base), e.g. 0,-1,0 for a level camera");
+  CLI::Option* initial_spread = c->add_option("--initial-std", initial_std,
+                                              "spread of the first particles as metres,degrees");
+  CLI::Option* everywhere =
+      c->add_flag("--global", global,
+                  "do not begin at the initial pose but look for the camera in the whole model")
+          ->excludes(initial_spread);
+  CLI::Option* upright =
+      c->add_option("--up", up,
+                    "the same, knowing which way is up in the first image: x,y,z in the axes of "
+                    "the camera (of a bag or rawlog: of the base), e.g. 0,-1,0 for a level camera")
+          ->excludes(initial_spread);
   c->add_option("--topics", topics,
                 "of a bag: image=/cam/image_raw,camera_info=...,mask=...,odom_frame=odom,...");
   c->add_option("--initial-pose", initial_pose,
                 "of a rawlog, or of a bag without initialpose: x,y,z,roll,pitch,yaw of the base; "
-                "metres, degrees");
+                "metres, degrees")
+      ->excludes(everywhere)
+      ->excludes(upright);
   c->add_option(
       "--camera", camera,
       "calibration (YAML of camera_calibration) for images of a rawlog that have none, as "
@@ -83,6 +92,12 @@ std::optional<Eigen::Vector3d> parseUp(const std::string& text) {
   return up.normalized();
 }
 
+void checkOptionsOfDirectory(const RecordingOptions& o) {
+  if (!o.topics.empty() || !o.initial_pose.empty())
+    throw ParameterError("--topics and --initial-pose belong to a bag or rawlog");
+  if (!o.camera.empty()) throw ParameterError("--camera belongs to a rawlog");
+}
+
 void sayThatNoPoseWasFound(const std::string& recording) {
   std::fprintf(stderr, "warning: %s: no pose was found; the trajectory is empty\n",
                recording.c_str());
@@ -117,6 +132,11 @@ BagTopics parseTopics(const RecordingOptions& o) {
   if (o.no_mask) topics.mask.clear();
   return topics;
 }
+
+bool hasMessages(const std::string& file, const std::string& topic) {
+  const rosbag::Bag bag(file);
+  return rosbag::View(bag, rosbag::TopicQuery(topic)).size() > 0;
+}
 #endif
 
 PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaussian>& recorded) {
@@ -150,8 +170,7 @@ PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaus
 
 void openDirectory(const RecordingOptions& o, const Parameters& params, bool everything,
                    OpenedRecording* opened) {
-  if (!o.topics.empty() || !o.initial_pose.empty())
-    throw ParameterError("--topics and --initial-pose belong to a bag or rawlog");
+  checkOptionsOfDirectory(o);
   Sequence sequence = readSequence(o.recording);
   if (!o.masks.empty()) useMasks(o.masks, &sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
@@ -170,7 +189,8 @@ void openDirectory(const RecordingOptions& o, const Parameters& params, bool eve
 
 OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
   const Parameters params = parametersOf(o);
-  const bool depths = everything || params.likelihood.cues != Cues::kEdges;
+  const bool needs_depth = params.likelihood.cues != Cues::kEdges;
+  const bool depths = everything || needs_depth;
   OpenedRecording opened;
   opened.name = o.recording;
   opened.model_file = o.model;
@@ -186,17 +206,25 @@ OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
       if (!o.topics.empty()) throw ParameterError("--topics belongs to a bag");
       std::optional<CameraModel> camera;
       if (!o.camera.empty()) camera = CameraModel::fromYamlFile(o.camera);
-      opened.input = std::make_unique<RawlogInput>(o.recording, !o.no_mask, depths, camera);
+      auto rawlog = std::make_unique<RawlogInput>(o.recording, !o.no_mask, depths, camera);
+      if (needs_depth && rawlog->rangeCount() == 0)
+        throw InputError(o.recording + ": depth asked for, but there are no range images in it");
+      opened.input = std::move(rawlog);
     } else {
 #ifdef EDGE_MCL_HAS_ROS
       BagTopics topics = parseTopics(o);
       if (!depths) topics.depth.clear();
       opened.input = std::make_unique<BagReader>(o.recording, topics);
+      if (needs_depth && !hasMessages(o.recording, topics.depth))
+        throw InputError(o.recording + ": depth asked for, but there are no images on '" +
+                         topics.depth + "'");
 #else
       throw InputError(o.recording + ": this build has no ROS, so it reads no bags");
 #endif
     }
   }
+  if (const std::string damage = opened.input->damage(); !damage.empty())
+    std::fprintf(stderr, "warning: %s\n", damage.c_str());
   opened.up = parseUp(o.up);
   if (!o.global && !opened.up) opened.start = initialPose(o, opened.input->initialPose());
   opened.map = std::make_shared<LocalizationMap>(opened.model_file, params);

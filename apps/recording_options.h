@@ -48,6 +48,9 @@ struct OpenedRecording {
 /// @throws InputError, ParameterError
 OpenedRecording openRecording(const RecordingOptions& options, bool everything);
 
+/// @throws ParameterError when there are some of bags and rawlogs.
+void checkOptionsOfDirectory(const RecordingOptions& options);
+
 /// To the standard error.
 void sayThatNoPoseWasFound(const std::string& recording);
 

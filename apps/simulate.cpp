@@ -50,7 +50,8 @@ int run(const SimulateOptions& o) {
   const auto start = std::chrono::steady_clock::now();
   size_t dropped = 0;
   std::future<void> writing;  // of one image, while the next is rendered
-  for (size_t i = 0; i < total && !interrupted; ++i) {
+  size_t flown = 0;
+  for (; flown < total && !interrupted; ++flown) {
     auto frame = std::make_shared<RecordedFrame>();
     const bool arrived = simulator.next(frame.get());
     if (writing.valid()) writing.get();
@@ -65,10 +66,11 @@ int run(const SimulateOptions& o) {
   recorder->close();
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const bool complete = flown == total;
   std::printf("%s: %zu images%s, %zu dropped on the way, %.1f images/s\n", o.out.c_str(),
-              recorder->count(), interrupted ? " (interrupted)" : "", dropped,
+              recorder->count(), complete ? "" : " (interrupted)", dropped,
               static_cast<double>(recorder->count()) / seconds);
-  return kExitOk;
+  return complete ? kExitOk : kExitIncomplete;
 }
 
 }  // namespace

@@ -35,6 +35,13 @@ struct TrialOptions {
   ParameterOptions parameters;
 };
 
+bool hasEvent(TrialKind kind) { return kind == TrialKind::kKidnap || kind == TrialKind::kBlackout; }
+
+/// Images from the event to where it is over.
+int darkImages(const TrialOptions& o, TrialKind kind) {
+  return kind == TrialKind::kBlackout ? static_cast<int>(std::lround(o.blackout * o.rate)) : 0;
+}
+
 /// How one flight went.
 struct Outcome {
   uint64_t seed = 0;
@@ -124,10 +131,8 @@ Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
                      static_cast<size_t>(o.event), o.blackout, o.drift);
   RandomSource random(seed * 17 + 3);
   LiveLocalizer localizer(map);
-  const bool has_event = kind == TrialKind::kKidnap || kind == TrialKind::kBlackout;
-  const int dark =
-      kind == TrialKind::kBlackout ? static_cast<int>(std::lround(o.blackout * o.rate)) : 0;
-  const int event = has_event ? o.event + dark : 0;
+  const bool has_event = hasEvent(kind);
+  const int event = has_event ? o.event + darkImages(o, kind) : 0;
   RecordedFrame frame;
   bool announced = !has_event;
   for (int i = 0; flight.next(&frame); ++i) {
@@ -221,6 +226,7 @@ nlohmann::json summaryOf(const std::vector<Outcome>& outcomes, const TrialOption
 }
 
 int run(TrialOptions o) {
+  checkOutput(o.out);
   const TrialKind kind = trialKind(o.kind);
   if (o.images == 0) {
     o.images = kind == TrialKind::kGlobal ? 20 : kind == TrialKind::kOffset ? 10 : 80;
@@ -228,6 +234,11 @@ int run(TrialOptions o) {
     if (kind == TrialKind::kBlackout)
       o.images = o.event + static_cast<int>(std::lround((o.blackout + 5) * o.rate));
   }
+  const int over = hasEvent(kind) ? o.event + darkImages(o, kind) : 0;
+  if (hasEvent(kind) && o.images <= over)
+    throw ParameterError("--images " + std::to_string(o.images) + ": more than " +
+                         std::to_string(over) + " needed, else the flight ends before the event " +
+                         "is over (--event, --blackout, --rate)");
   Parameters params = o.parameters.load();
   if (o.depth) params.likelihood.cues = Cues::kBoth;
   const auto map =
@@ -244,7 +255,7 @@ int run(TrialOptions o) {
   }
   const nlohmann::json summary = summaryOf(outcomes, o);
   if (o.json) {
-    std::printf("%s\n", summary.dump(1).c_str());
+    std::printf("%s\n", textOf(summary).c_str());
     return kExitOk;
   }
   std::printf(
@@ -281,12 +292,17 @@ void addTrials(CLI::App* app, Action* action) {
   c->add_option("--event", o->event, "image at which it goes wrong (kidnap, blackout)")
       ->check(CLI::PositiveNumber);
   c->add_option("--first-seed", o->first_seed, "of the flights");
-  c->add_option("--offset", o->offset, "largest start error, m (offset)");
-  c->add_option("--angle", o->angle, "largest start error, deg (offset)");
-  c->add_option("--blackout", o->blackout, "s without light (blackout)");
-  c->add_option("--drift", o->drift, "m that odometry drifts meanwhile (blackout)");
+  c->add_option("--offset", o->offset, "largest start error, m (offset)")
+      ->check(CLI::NonNegativeNumber);
+  c->add_option("--angle", o->angle, "largest start error, deg (offset)")
+      ->check(CLI::NonNegativeNumber);
+  c->add_option("--blackout", o->blackout, "s without light (blackout)")
+      ->check(CLI::NonNegativeNumber);
+  c->add_option("--drift", o->drift, "m that odometry drifts meanwhile (blackout)")
+      ->check(CLI::NonNegativeNumber);
   c->add_flag("--no-gravity", o->no_gravity, "roll and pitch are not known");
-  c->add_option("--imu-sigma", o->imu_sigma_deg, "error of roll and pitch, deg");
+  c->add_option("--imu-sigma", o->imu_sigma_deg, "error of roll and pitch, deg")
+      ->check(CLI::NonNegativeNumber);
   c->add_flag("--no-mask", o->no_mask, "movable objects are not masked");
   c->add_flag("--depth", o->depth,
               "a depth camera as well (exact, and not darkened by a blackout); cues: both");

@@ -61,8 +61,6 @@ int runHeadless(const ViewOptions& o, const ViewParameters& params, const Locali
 int run(const ViewOptions& o) {
   giveLargeBlocksBack();
   const ViewParameters params = parseShow(o);
-  if (!o.headless && (!o.recorder.video.empty() || !o.recorder.pictures.empty()))
-    throw ParameterError("--video and --pictures belong to --headless");
   OpenedRecording opened = openRecording(o, true);
   auto view = std::make_unique<RecordedView>(opened.map, std::move(opened.input), opened.start,
                                              opened.up, static_cast<size_t>(params.max_particles));
@@ -97,18 +95,26 @@ void addView(CLI::App* app, Action* action) {
   c->add_option("--show", o->show,
                 "how it is shown, e.g. --show model_style=ghost (repeatable; see "
                 "docs/parameters.md)");
-  c->add_flag("--loop", o->loop, "begin again at the end");
-  c->add_flag("--headless", o->headless, "no window: write a video or pictures");
-  c->add_option("--video", o->recorder.video, "to write: .mp4 or .avi");
-  c->add_option("--video-rate", o->recorder.video_rate, "pictures per second of the video");
-  c->add_option("--pictures", o->recorder.pictures,
-                "to write: BEGIN-1.png, ...; of the last moment, or as --at says");
+  CLI::Option* headless =
+      c->add_flag("--headless", o->headless, "no window: write a video or pictures");
+  CLI::Option* video =
+      c->add_option("--video", o->recorder.video, "to write: .mp4 or .avi")->needs(headless);
+  c->add_option("--video-rate", o->recorder.video_rate, "pictures per second of the video")
+      ->needs(video);
+  CLI::Option* pictures =
+      c->add_option("--pictures", o->recorder.pictures,
+                    "to write: BEGIN-1.png, ...; of the last moment, or as --at says")
+          ->needs(headless);
   c->add_option("--at", o->recorder.at, "when: seconds since the first image, e.g. --at 2,5,8")
-      ->delimiter(',');
-  c->add_option("--images", o->images, "only so many images of the recording");
+      ->delimiter(',')
+      ->needs(pictures);
+  c->add_option("--images", o->images, "only so many images of the recording")->needs(headless);
+  c->add_flag("--loop", o->loop, "begin again at the end")->excludes(headless);
   c->add_option("--close-after", o->close_after,
-                "close the window after so many seconds and say how fast it was drawn");
-  c->add_option("--window-picture", o->window_picture, "picture of the window when it closes");
+                "close the window after so many seconds and say how fast it was drawn")
+      ->excludes(headless);
+  c->add_option("--window-picture", o->window_picture, "picture of the window when it closes")
+      ->excludes(headless);
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }
 

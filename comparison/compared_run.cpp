@@ -1,5 +1,6 @@
 #include "edge_mcl/comparison/compared_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -46,6 +47,10 @@ ComparedRun runCompared(const std::string& method_name, const std::string& direc
   run.particles = method.hasParticles() ? particles : 0;
   std::vector<double> position, plane, rotation, ms;
   size_t good = 0;
+  const auto with_truth =
+      std::count_if(sequence.frames.begin(), sequence.frames.end(),
+                    [](const SequenceFrame& f) { return f.ground_truth.has_value(); });
+  if (with_truth == 0) throw InputError(directory + ": no image with ground truth");
   try {
     const auto filter = makeFilter(method, sequence, particles, seed);
     filter->initialize(
@@ -77,9 +82,7 @@ ComparedRun runCompared(const std::string& method_name, const std::string& direc
     run.lost = true;
   }
   run.images = position.size();
-  if (run.images == 0 && run.failure.empty())
-    throw InputError(directory + ": no image with ground truth");
-  run.success = static_cast<double>(good) / static_cast<double>(sequence.frames.size());
+  run.success = static_cast<double>(good) / static_cast<double>(with_truth);
   run.position = summarize(position);
   run.plane = summarize(plane);
   run.rotation = summarize(rotation);

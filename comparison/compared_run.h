@@ -18,7 +18,7 @@ struct ComparedRun {
   size_t images = 0;
   ErrorSummary position, plane;  ///< m; plane: of x and y only
   ErrorSummary rotation;         ///< deg
-  double success = 0;            ///< share of the images within 10 cm and 3 degrees
+  double success = 0;            ///< share of the images with truth: within 10 cm and 3 degrees
   bool lost = false;             ///< the last image off by more than 25 cm or 5 degrees
   ErrorSummary update_ms;        ///< from the image in memory to the pose
   double peak_mb = 0;            ///< resident size of the process

@@ -152,8 +152,12 @@ std::string toMarkdown(const Comparison& c) {
       c.machine.c_str(), seeds);
   text +=
       "* **edge_mcl**: the localizer as it is, with refinement and recovery, one cue or both.\n"
-      "* **MRPT's 3D filter on edge_mcl's map**: `CMonteCarloLocalization3D` with `CEdgeMap`, as\n"
-      "  `pf-localization` runs it: what our likelihood does without our filter.\n"
+      "* **MRPT's 3D filter on edge_mcl's map**: `CMonteCarloLocalization3D` with `CEdgeMap`, full "
+      "power of the\n"
+      "  likelihood (`powFactor = 1`) and edge_mcl's default parameters: what our likelihood does "
+      "without our\n"
+      "  filter. `docs/examples/pf_localization.ini` gives MRPT's filter `powFactor = 0.4` and "
+      "`likelihood.sigma = 3`.\n"
       "* **MRPT's 3D filter on a point map**: the same on a `CSimplePointsMap` of the model's "
       "surfaces (5 cm\n"
       "  apart), with the 500 depth points that edge_mcl's depth cue takes.\n"

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/guarded_file_system.h"
@@ -140,11 +141,14 @@ Eigen::Affine3d mapTransform(const MapParameters& params) {
   return transform;
 }
 
-/// Coordinates are kept as they are in the file. For IFC, where z is up, assimp turns them so that
-/// y is up; this turns them back.
+/// Coordinates are kept as they are in the file. Where z is up in a format, assimp turns them so
+/// that y is up; this turns them back.
 Eigen::Affine3d fileAxes(const std::string& extension) {
+  constexpr std::array<std::string_view, 6> kTurned{".ifc", ".ifczip", ".dxf",
+                                                    ".3ds", ".ase",    ".ask"};
   Eigen::Affine3d turn = Eigen::Affine3d::Identity();
-  if (extension == ".ifc" || extension == ".ifczip") turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  if (std::find(kTurned.begin(), kTurned.end(), extension) != kTurned.end())
+    turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   return turn;
 }
 

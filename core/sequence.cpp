@@ -95,6 +95,11 @@ std::optional<Pose> odometryAt(const Trajectory& odometry, double time) {
   return std::nullopt;
 }
 
+std::string missingMasks(size_t count, size_t images) {
+  return "mask.txt: none for " + std::to_string(count) + " of " + std::to_string(images) +
+         " images at their time";
+}
+
 /// Lists whose times are not those of the images are more often a mistake than not.
 void warnOfWhatDoesNotMatch(bool has_masks, const std::string& directory, Sequence* sequence) {
   size_t odometry = 0, masks = 0, depths = 0;
@@ -111,6 +116,7 @@ void warnOfWhatDoesNotMatch(bool has_masks, const std::string& directory, Sequen
     warn("odometry.txt: none for " + std::to_string(images - odometry) + " of " +
          std::to_string(images) + " images at their time");
   if (has_masks && masks == 0) warn("mask.txt: no mask has the time of an image (within 5 ms)");
+  if (masks > 0 && masks < images) warn(missingMasks(images - masks, images));
   if (!sequence->depths.empty() && depths == 0)
     warn("depth.txt: no depth image has the time of an image (within 25 ms)");
 }
@@ -134,6 +140,9 @@ void useMasks(const std::string& directory, Sequence* sequence) {
   if (count == 0)
     throw InputError(directory + "/mask.txt: no mask has the time of an image of " +
                      sequence->directory);
+  const size_t images = sequence->frames.size();
+  if (count < images)
+    sequence->warnings.push_back(directory + "/" + missingMasks(images - count, images));
 }
 
 Sequence readSequence(const std::string& directory) {

@@ -39,11 +39,12 @@ struct Sequence {
 
 /// Reads rgb.txt, camera.yaml and, where present, sequence.yaml, mask.txt, depth.txt, odometry.txt,
 /// groundtruth.txt. Images whose time does not increase are left out with a warning; odometry at
-/// other times than the images' is interpolated; lists that belong to no image are warned of.
+/// other times than the images' is interpolated; lists that belong to no image are warned of, and
+/// images without the mask or odometry that others have.
 /// @throws InputError naming file and fault.
 Sequence readSequence(const std::string& directory);
 
-/// Replaces the masks by those that DIRECTORY/mask.txt lists.
+/// Replaces the masks by those that DIRECTORY/mask.txt lists; warns of images that have none there.
 /// @throws InputError when the list cannot be read or no image has a mask in it.
 void useMasks(const std::string& directory, Sequence* sequence);
 

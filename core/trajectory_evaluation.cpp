@@ -66,6 +66,9 @@ TrajectoryErrors evaluateTrajectory(const Trajectory& estimate, const Trajectory
   errors.relative_rotation = summarize(relative_rotation);
   if (!reference.empty())
     errors.success_share = static_cast<double>(good) / static_cast<double>(reference.size());
+  if (errors.matched > 0)
+    errors.success_share_of_matched =
+        static_cast<double>(good) / static_cast<double>(errors.matched);
   return errors;
 }
 

@@ -21,6 +21,8 @@ struct TrajectoryErrors {
   /// Relative error between neighbouring matches: what the motion between them is off by.
   ErrorSummary relative_position, relative_rotation;
   double success_share = 0;  ///< of all reference poses: within the limits
+  /// The same of the matched ones alone: a reference is often denser than the images.
+  double success_share_of_matched = 0;
 };
 
 /// Pairs every reference pose with the nearest estimate at most `max_time_difference` apart.

@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationImage.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <vector>
 
@@ -19,8 +20,18 @@ using mrpt::obs::CObservationImage;
 
 namespace {
 
+/// Pixels and ranges may lie in files of their own. MRPT's words of these have many lines.
+InputError unreadable(const std::string& origin, const std::string& file) {
+  const std::filesystem::path folder = mrpt::img::CImage::getImagesPathBase();
+  return InputError(origin + ": " + (folder / file).string() + ": missing or not readable");
+}
+
 cv::Mat pixelsOf(const mrpt::img::CImage& image, const std::string& origin) {
-  image.forceLoad();
+  try {
+    image.forceLoad();
+  } catch (const std::exception&) {
+    throw unreadable(origin, image.getExternalStorageFile());
+  }
   if (image.isEmpty()) throw InputError(origin + ": the image is empty");
   return image.asCvMatRef();
 }
@@ -67,7 +78,6 @@ std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs,
   if (!hasImage(obs)) return std::nullopt;
   const std::string origin = originOf(obs);
   ObservedImage result;
-  obs.load();
   if (const auto* image = dynamic_cast<const CObservationImage*>(&obs)) {
     result.pixels = pixelsOf(image->image, origin);
     result.camera = cameraOf(image->cameraParams);
@@ -86,8 +96,13 @@ std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs,
 
 cv::Mat rangesOf(const mrpt::obs::CObservation& obs) {
   if (!hasDepth(obs)) return {};
-  obs.load();
-  const auto& ranges = dynamic_cast<const CObservation3DRangeScan&>(obs).rangeImage;
+  const auto& scan = dynamic_cast<const CObservation3DRangeScan&>(obs);
+  try {
+    scan.load();
+  } catch (const std::exception&) {
+    throw unreadable(originOf(obs), scan.rangeImage_getExternalStorageFile(""));
+  }
+  const auto& ranges = scan.rangeImage;
   if (ranges.rows() == 0) return {};
   return {static_cast<int>(ranges.rows()), static_cast<int>(ranges.cols()), CV_16UC1,
           const_cast<uint16_t*>(ranges.data())};

@@ -6,6 +6,7 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/image_edges.h"
@@ -100,12 +101,15 @@ struct RawlogWriter::File {
 RawlogWriter::RawlogWriter(const std::string& file, const RecordingSetup& setup,
                            const FilterParameters& noise)
     : name_(file), setup_(setup), noise_(noise), file_(std::make_unique<File>()) {
-  if (!file_->stream.open(file)) throw InputError(file + ": cannot be written");
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored)) throw InputError(file + ": exists already");
+  if (!file_->stream.open(partial())) throw InputError(file + ": cannot be written");
 }
 
 RawlogWriter::~RawlogWriter() = default;
 
 void RawlogWriter::write(const RecordedFrame& frame) {
+  if (!file_) throw Error(name_ + ": is closed");
   const RecordedFrame& from = last_ ? *last_ : frame;
   try {
     auto archive = mrpt::serialization::archiveFrom(file_->stream);
@@ -116,13 +120,20 @@ void RawlogWriter::write(const RecordedFrame& frame) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
-    throw InputError(name_ + ": cannot be written (disk full?); " + std::to_string(count_) +
+    throw InputError(partial() + ": cannot be written (disk full?); " + std::to_string(count_) +
                      " images are complete");
   }
   last_ = RecordedFrame{frame.time, {}, {}, {}, frame.truth, frame.odometry};
   ++count_;
 }
 
-void RawlogWriter::close() { file_->stream.close(); }
+void RawlogWriter::close() {
+  if (!file_) return;
+  file_->stream.close();
+  file_.reset();
+  std::error_code error;
+  std::filesystem::rename(partial(), name_, error);
+  if (error) throw InputError(name_ + ": cannot be written: " + error.message());
+}
 
 }  // namespace edge_mcl

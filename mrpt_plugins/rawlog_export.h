@@ -23,10 +23,11 @@ mrpt::obs::CActionCollection::Ptr makeAction(const SequenceFrame& from, const Se
 mrpt::obs::CSensoryFrame::Ptr makeSensoryFrame(const Sequence& sequence, const SequenceFrame& frame,
                                                const Pose& T_base_camera, bool with_mask);
 
-/// Pairs of action and sensory frame, in a compressed file. Has no place for depth and IMU.
+/// Pairs of action and sensory frame, in a compressed file. Has no place for depth and IMU. Written
+/// as FILE.part, renamed by close().
 class RawlogWriter : public Recorder {
  public:
-  /// @param noise of the actions.
+  /// @param file must not exist. @param noise of the actions.
   RawlogWriter(const std::string& file, const RecordingSetup& setup, const FilterParameters& noise);
   ~RawlogWriter() override;
   void write(const RecordedFrame& frame) override;
@@ -36,6 +37,7 @@ class RawlogWriter : public Recorder {
 
  private:
   struct File;
+  std::string partial() const { return name_ + ".part"; }
   std::string name_;
   RecordingSetup setup_;
   FilterParameters noise_;

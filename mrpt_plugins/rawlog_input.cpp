@@ -1,5 +1,6 @@
 #include "edge_mcl/mrpt_plugins/rawlog_input.h"
 
+#include <mrpt/img/CImage.h>
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
@@ -25,8 +26,24 @@ namespace edge_mcl {
 
 using mrpt::obs::CObservation;
 
+namespace {
+
+/// As CRawlog::detectImagesDirectory() means to: of MRPT 2.5 that loses a slash.
+std::string imagesFolderOf(const std::string& rawlog) {
+  namespace fs = std::filesystem;
+  const fs::path file(rawlog);
+  std::error_code ignored;
+  for (const char* ending : {"_Images", "_images", "_IMAGES"}) {
+    const fs::path folder = file.parent_path() / (file.stem().string() + ending);
+    if (fs::is_directory(folder, ignored)) return folder.string();
+  }
+  return (file.parent_path() / "Images").string();
+}
+
+}  // namespace
+
 struct RawlogInput::Impl {
-  std::string name;
+  std::string name, images_folder;
   bool masks = true, depths = false;
   mrpt::io::CFileGZInputStream stream;
   std::optional<PoseGaussian> initial;  // never
@@ -35,7 +52,7 @@ struct RawlogInput::Impl {
   size_t images = 0, ranges = 0;
   std::optional<Pose> odometry;
   bool trusts_actions = true;
-  bool warned = false;
+  bool warned = false, cut_off = false;
   mrpt::serialization::CSerializable::Ptr pending;  // read, of the next moment
 
   void open() {
@@ -49,10 +66,14 @@ struct RawlogInput::Impl {
   /// @return null at the end.
   mrpt::serialization::CSerializable::Ptr read() {
     if (stream.checkEOF()) return nullptr;
+    const uint64_t begin = stream.getPosition();
     try {
       return mrpt::serialization::archiveFrom(stream).ReadObject();
     } catch (const std::exception&) {
-      if (stream.checkEOF()) return nullptr;
+      if (stream.checkEOF()) {
+        cut_off = stream.getPosition() != begin;
+        return nullptr;
+      }
       throw InputError(name + ": broken, or not a rawlog");
     }
   }
@@ -110,7 +131,9 @@ struct RawlogInput::Impl {
       });
     }
     trusts_actions = 2 * wild_steps <= steps;
-    if (images == 0 && !(depths && ranges > 0)) throw InputError(name + ": no images in it");
+    if (images == 0 && !(depths && ranges > 0))
+      throw InputError(name + (cut_off ? ": cut off before its first image, or not a rawlog"
+                                       : ": no images in it"));
     std::stable_sort(truth.begin(), truth.end(),
                      [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
     stream.close();
@@ -118,6 +141,7 @@ struct RawlogInput::Impl {
   }
 
   void add(const CObservation& obs, LiveInput* input) const {
+    mrpt::img::CImage::setImagesPathBase(images_folder);  // of the whole process
     if (const auto image = imageOf(obs, camera ? &*camera : nullptr)) {
       LiveInput::View view;
       view.camera = image->camera;
@@ -144,6 +168,7 @@ RawlogInput::RawlogInput(const std::string& file, bool masks, bool depths,
                          const std::optional<CameraModel>& camera)
     : impl_(std::make_unique<Impl>()) {
   impl_->name = file;
+  impl_->images_folder = imagesFolderOf(file);
   impl_->masks = masks;
   impl_->depths = depths;
   impl_->camera = camera;
@@ -155,6 +180,11 @@ RawlogInput::~RawlogInput() = default;
 size_t RawlogInput::imageCount() const { return impl_->images > 0 ? impl_->images : impl_->ranges; }
 const std::optional<PoseGaussian>& RawlogInput::initialPose() const { return impl_->initial; }
 const Trajectory& RawlogInput::truth() const { return impl_->truth; }
+size_t RawlogInput::rangeCount() const { return impl_->ranges; }
+std::string RawlogInput::damage() const {
+  if (!impl_->cut_off) return {};
+  return impl_->name + ": cut off after " + std::to_string(imageCount()) + " images";
+}
 
 bool RawlogInput::next(LiveInput* input, std::string* problem) {
   Impl& m = *impl_;

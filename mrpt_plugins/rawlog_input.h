@@ -10,7 +10,8 @@ namespace edge_mcl {
 /// Reads actions and sensory frames, or single observations, in the order of the file: images (with
 /// their masks), range images, odometry (2D or 3D, of actions or observations) and, as ground
 /// truth, CObservationRobotPose. A single image and a single range image of the same time are one
-/// moment. In a file without images the range images are the moments.
+/// moment. In a file without images the range images are the moments. Images in files of their own
+/// are looked for where MRPT puts them: X_Images/ beside X.rawlog, or Images/.
 class RawlogInput : public RecordedInput {
  public:
   /// Reads the file once for its truth and the number of images. @param camera calibration of
@@ -23,6 +24,9 @@ class RawlogInput : public RecordedInput {
   /// A rawlog does not say.
   const std::optional<PoseGaussian>& initialPose() const override;
   const Trajectory& truth() const override;
+  /// Whether the file ends amid an object.
+  std::string damage() const override;
+  size_t rangeCount() const;
   bool next(LiveInput* input, std::string* problem) override;
 
  private:

@@ -17,6 +17,8 @@ class RecordedInput {
   virtual const std::optional<PoseGaussian>& initialPose() const = 0;
   /// T_map_base; empty where it is not known.
   virtual const Trajectory& truth() const = 0;
+  /// What of the recording as a whole is missing, in one line; empty: nothing.
+  virtual std::string damage() const { return {}; }
   /// The next moment. One that cannot be read has no views and says why. @return false at the end.
   virtual bool next(LiveInput* input, std::string* problem) = 0;
 };

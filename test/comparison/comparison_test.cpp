@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "edge_mcl/comparison/compared_methods.h"
 #include "edge_mcl/comparison/comparison_plot.h"
@@ -63,6 +64,22 @@ TEST_F(ComparedRuns, ARunIsTheSameTwice) {
     const ComparedRun a = run(method, 60), b = run(method, 60);
     EXPECT_EQ(a.position_series, b.position_series) << method;
   }
+}
+
+/// Images without truth count neither for nor against.
+TEST_F(ComparedRuns, SuccessIsOfTheImagesWithTruth) {
+  const fs::path part = folder_ / "part";
+  fs::remove_all(part);
+  fs::copy(folder_ / "flight", part, fs::copy_options::recursive);
+  std::ifstream all(folder_ / "flight" / "groundtruth.txt");
+  std::ofstream few(part / "groundtruth.txt", std::ios::trunc);
+  std::string line;
+  for (int k = 0; k < 7 && std::getline(all, line); ++k) few << line << '\n';  // one is the header
+  few.close();
+  const ComparedRun r = runCompared("edges", part.string(), 1, 300);
+  EXPECT_EQ(r.images, 6u);
+  ASSERT_LT(r.position.median, 0.1);
+  EXPECT_GE(r.success, 0.5);
 }
 
 TEST_F(ComparedRuns, SurviveStorage) {

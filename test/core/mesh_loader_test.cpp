@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "edge_mcl/core/error.h"
 #include "edge_mcl/core/mesh_model.h"
@@ -86,6 +87,22 @@ TEST(MeshLoader, BuildingModelsKeepTheirAxes) {
   EXPECT_LT((box.highest - Eigen::Vector3f(2, 1.5f, 2.5f)).norm(), 1e-5f);
   const MeshModel triangle = sample("z_up.dae");  // (0 0 0) (2 0 0) (0 1 3)
   EXPECT_LT((triangle.highest - Eigen::Vector3f(2, 1, 3)).norm(), 1e-5f);
+  // (0 0 0) (1 0 0) (0 0 2.5)
+  const std::string dxf =
+      "0\nSECTION\n2\nENTITIES\n0\n3DFACE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n1\n21\n0\n31\n0\n"
+      "12\n0\n22\n0\n32\n2.5\n13\n0\n23\n0\n33\n2.5\n0\nENDSEC\n0\nEOF\n";
+  const std::string ase =
+      "*3DSMAX_ASCIIEXPORT 200\n*GEOMOBJECT {\n*NODE_NAME \"triangle\"\n*NODE_TM {\n"
+      "*NODE_NAME \"triangle\"\n*TM_ROW0 1 0 0\n*TM_ROW1 0 1 0\n*TM_ROW2 0 0 1\n*TM_ROW3 0 0 0\n}\n"
+      "*MESH {\n*TIMEVALUE 0\n*MESH_NUMVERTEX 3\n*MESH_NUMFACES 1\n*MESH_VERTEX_LIST {\n"
+      "*MESH_VERTEX 0 0 0 0\n*MESH_VERTEX 1 1 0 0\n*MESH_VERTEX 2 0 0 2.5\n}\n*MESH_FACE_LIST {\n"
+      "*MESH_FACE 0: A: 0 B: 1 C: 2 AB: 1 BC: 1 CA: 1 *MESH_SMOOTHING 1 *MESH_MTLID 0\n}\n}\n}\n";
+  for (const auto& [name, text] :
+       {std::pair("face.dxf", dxf), std::pair("FACE.DXF", dxf), std::pair("face.ase", ase)}) {
+    const MeshModel face = loadMesh(writeFile(name, text), {});
+    EXPECT_LT((face.lowest - Eigen::Vector3f(0, 0, 0)).norm(), 1e-5f) << name;
+    EXPECT_LT((face.highest - Eigen::Vector3f(1, 0, 2.5f)).norm(), 1e-5f) << name;
+  }
 }
 
 }  // namespace

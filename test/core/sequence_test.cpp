@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "edge_mcl/core/error.h"
+#include "edge_mcl/core/trajectory_evaluation.h"
 #include "edge_mcl/mrpt_plugins/sequence_input.h"
 
 namespace edge_mcl {
@@ -31,6 +32,7 @@ class SequenceTest : public testing::Test {
   }
   void TearDown() override { fs::remove_all(root_); }
   void write(const std::string& name, const std::string& text) {
+    fs::create_directories((root_ / name).parent_path());
     std::ofstream(root_ / name) << text;
   }
   Sequence read() const { return readSequence(root_.string()); }
@@ -84,6 +86,36 @@ TEST_F(SequenceTest, ListsOfOtherTimesAreWarnedOf) {
   for (size_t i = 0; i < 3; ++i)
     EXPECT_NE(sequence.warnings[i].find(std::vector<std::string>{"odometry", "mask", "depth"}[i]),
               std::string::npos);
+}
+
+TEST_F(SequenceTest, MasksOfAPartOfTheImagesAreWarnedOf) {
+  write("mask.txt", "10.0 a.png\n");
+  Sequence sequence = read();
+  ASSERT_EQ(sequence.warnings.size(), 1u);
+  EXPECT_NE(sequence.warnings[0].find("mask.txt: none for 2 of 3"), std::string::npos);
+  sequence.warnings.clear();
+  write("other/mask.txt", "10.0 a.png\n10.5 b.png\n");
+  useMasks((root_ / "other").string(), &sequence);
+  ASSERT_EQ(sequence.warnings.size(), 1u);
+  EXPECT_NE(sequence.warnings[0].find("other/mask.txt: none for 1 of 3"), std::string::npos);
+  sequence.warnings.clear();
+  write("other/mask.txt", "10.0 a.png\n10.5 b.png\n11.0 c.png\n");
+  useMasks((root_ / "other").string(), &sequence);
+  EXPECT_TRUE(sequence.warnings.empty());
+}
+
+/// A reference of ten times the estimate's rate: what it is off by does not depend on that.
+TEST(TrajectoryEvaluation, ADenseReferenceCostsNoSuccess) {
+  Trajectory estimate, reference;
+  for (int k = 0; k < 100; ++k) {
+    reference.push_back({0.01 * k, "", Pose::Identity()});
+    if (k % 10 == 0) estimate.push_back(reference.back());
+  }
+  estimate.back().pose.translation().x() = 1;
+  const TrajectoryErrors errors = evaluateTrajectory(estimate, reference);
+  EXPECT_EQ(errors.matched, 10u);
+  EXPECT_NEAR(errors.success_share, 0.09, 1e-12);
+  EXPECT_NEAR(errors.success_share_of_matched, 0.9, 1e-12);
 }
 
 TEST_F(SequenceTest, StampsInNanosecondsAreAnError) {

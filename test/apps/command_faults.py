@@ -1,0 +1,219 @@
+#!/usr/bin/python3
+"""The command line tool where it must not go on as if nothing were amiss: options that contradict each
+other, outputs that cannot be written, recordings of which a part is missing.
+
+usage: command_faults.py EDGE_MCL SOURCE_DIRECTORY
+"""
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.dont_write_bytecode = True  # of the file beside this one
+from command_line import (INCOMPLETE, INPUT, OK, USAGE, Cases, add_mask, check, failures, make_sequence,
+                          truncate_image, write)
+
+ORIGIN = ('--initial-pose', '0,0,0,0,0,0', '--initial-std', '0.005,0.6', '--particles', '100')
+
+
+def content(path):
+    with open(path, 'rb') as f:
+        return f.read()
+
+
+def expect(c, name, status, words, *arguments):
+    r = c.run(*arguments)
+    check(r.returncode == status and all(w in r.stderr for w in words),
+          '%s: %d (wanted %d) %s' % (name, r.returncode, status, r.stderr))
+    return r
+
+
+def sequence_in(c, name):
+    path = os.path.join(c.folder, name)
+    make_sequence(path)
+    # At rest, by odometry and truth.
+    still = ''.join('%.2f 0 0 0 0 0 0 1\n' % (0.1 * i) for i in range(5))
+    write(os.path.join(path, 'odometry.txt'), still)
+    write(os.path.join(path, 'groundtruth.txt'), still)
+    return path
+
+
+def contradictions(c, source):
+    sequence, office = sequence_in(c, 'options'), os.path.join(source, 'maps', 'office_flight.yaml')
+    est, film, shot = (os.path.join(c.folder, name) for name in ('est.txt', 'film.mp4', 'shot'))
+    camera = os.path.join(sequence, 'camera.yaml')
+    trials = ('trials', office, '--count', '1')
+    headless = ('view', sequence, '--headless', '--pictures', shot)
+    for words, options in (
+            (('--up', '--initial-std'), ('localize', sequence, '--up', '0,-1,0', '--initial-std', '0.1,3',
+                                          '--out', est)),
+            (('--global', '--initial-pose'), ('localize', 'x.bag', '--global', *ORIGIN[:2])),
+            (('--up', '--initial-pose'), ('localize', 'x.bag', '--up', '0,-1,0', *ORIGIN[:2])),
+            (('--camera',), ('localize', sequence, '--camera', camera, '--out', est)),
+            (('--images', '--headless'), ('view', sequence, '--images', '2')),
+            (('--video', '--headless'), ('view', sequence, '--video', film)),
+            (('--loop',), headless + ('--loop',)),
+            (('--close-after',), headless + ('--close-after', '1')),
+            (('--window-picture',), headless + ('--window-picture', shot + '.png')),
+            (('--at', '--pictures'), ('view', sequence, '--headless', '--video', film, '--at', '1')),
+            (('--video-rate', '--video'), headless + ('--video-rate', '5')),
+            (('--soak', '--json'), ('bench', sequence, '--soak', '10', '--json')),
+            (('--soak', '--table'), ('bench', sequence, '--soak', '10', '--table', '100')),
+            (('--soak', '--dump-workload'), ('bench', sequence, '--soak', '10', '--dump-workload', film)),
+            (('--soak', '--depth'), ('bench', sequence, '--soak', '10', '--depth')),
+            (('--depth', '--table'), ('bench', sequence, '--depth', '--table', '100')),
+            (('--depth', '--dump-workload'), ('bench', sequence, '--depth', '--dump-workload', film)),
+            (('--images 20', '30'), trials + ('--kind', 'kidnap', '--images', '20')),
+            (('--images 80', '130'), trials + ('--kind', 'blackout', '--images', '80')),
+            (('--imu-sigma',), trials + ('--imu-sigma=-1',)),
+            (('--blackout',), trials + ('--blackout=-1',)),
+            (('--offset',), trials + ('--offset=-1',)),
+            (('--angle',), trials + ('--angle=-1',)),
+            (('--drift',), trials + ('--drift=-1',))):
+        expect(c, ' '.join(words), USAGE, words, *options)
+    check(not os.path.exists(film), 'nothing is written')
+
+
+def rawlogs(c, source):
+    sequence, rawlog = sequence_in(c, 'recorded'), os.path.join(c.folder, 'recorded.rawlog')
+    call = ('rawlog', sequence, rawlog, '--base', 'optical')
+    expect(c, 'a rawlog', OK, (), *call)
+    before = content(rawlog)
+    expect(c, 'an existing rawlog', INPUT, ('exists already',), *call)
+    check(content(rawlog) == before and not os.path.exists(rawlog + '.part'), 'it is as it was')
+    est = os.path.join(c.folder, 'recorded.txt')
+    localize = ('localize', rawlog, '--model', os.path.join(sequence, 'model.obj'), '--out', est, *ORIGIN,
+                '--set', 'tracking.min_visible_samples=0')  # a box shows few
+    r = expect(c, 'localize a rawlog', OK, (), *localize)
+    check('of 5 poses with truth' in r.stdout, 'the share is that of poses: ' + r.stdout)
+    r = expect(c, 'localize a rawlog --json', OK, (), *localize, '--json')
+    summary = json.loads(r.stdout)
+    check(summary['matched_with_truth'] == 5 and summary['within_10cm_3deg'] > 0.5, 'and as JSON')
+    r = expect(c, 'a robot at rest', OK, (), *localize, '--set', 'tracking.update_min_d=0.1')
+    check(' 0 not used' in r.stdout, 'has no images that are of no use: ' + r.stdout)
+    expect(c, 'depth of a rawlog without', INPUT, ('depth asked for',), *localize, '--depth')
+    with open(rawlog, 'r+b') as f:
+        f.truncate(len(before) * 3 // 4)
+    r = expect(c, 'a cut rawlog', INCOMPLETE, ('cut off after',), *localize)
+    check(re.search('cut off after [1-4] images', r.stderr), 'and says where: ' + r.stderr)
+    # What a rawlog does not hold need not be readable.
+    write(os.path.join(sequence, 'depth.txt'), '0.00 depth/none.png\n')
+    expect(c, 'a rawlog of a sequence with broken depth', OK, (), 'rawlog', sequence, rawlog + '2.rawlog')
+    bag = os.path.join(c.folder, 'recorded.bag')
+    os.remove(os.path.join(sequence, 'depth.txt'))
+    r = c.run('bag', sequence, bag, '--base', 'optical')
+    if r.returncode == INPUT and 'no ROS' in r.stderr:
+        print('SKIPPED bags: this build has no ROS')
+        return
+    expect(c, 'depth of a bag without', INPUT, ('depth asked for',), 'localize', bag, '--depth', *localize[2:])
+
+
+def outputs(c, source):
+    sequence, est = sequence_in(c, 'outputs'), os.path.join(c.folder, 'outputs.txt')
+    stats = os.path.join(c.folder, 'outputs.json')
+    localize = ('localize', sequence, '--particles', '100', '--out', est)
+    expect(c, 'a plot that is a directory', INPUT, ('cannot be written',), *localize, '--plot', c.folder)
+    expect(c, 'statistics nowhere', INPUT, ('cannot be written',), *localize, '--stats', '/no/such/dir/x')
+    check(not os.path.exists(est), 'said before the first image')
+    expect(c, 'a plot of no format', INPUT, ('outputs.xyz',), *localize, '--stats', stats, '--plot',
+           est.replace('.txt', '.xyz'))
+    with open(stats) as f:
+        check(len(json.load(f)['images']) == 5, 'does not cost the statistics')
+    check(not os.path.exists(stats + '.part'), 'nothing is left beside them')
+    strange = os.fsdecode(os.fsencode(c.folder) + b'/m\xff')
+    shutil.copytree(sequence, strange)
+    r = expect(c, 'a name that is not UTF-8', OK, (), 'localize', strange, *localize[2:], '--stats', stats,
+               '--json')
+    check(r.returncode == OK and json.loads(r.stdout)['images'] == 5, 'is no reason to lose anything')
+
+
+def evaluation(c, source):
+    est, reference = (os.path.join(c.folder, name) for name in ('few.txt', 'dense.txt'))
+    write(est, ''.join('%.2f 0 0 0 0 0 0 1\n' % (0.1 * i) for i in range(10)))
+    write(reference, ''.join('%.2f 0 0 0 0 0 0 1\n' % (100 + 0.01 * i) for i in range(100)))
+    r = expect(c, 'poses of another time', INCOMPLETE, (), 'evaluate', est, reference)
+    check(' 0 matched' in r.stdout and r.stdout.count('\n') == 1, 'have no errors: ' + r.stdout)
+    r = expect(c, 'the same as JSON', INCOMPLETE, (), 'evaluate', est, reference, '--json')
+    check(json.loads(r.stdout) == {'reference_poses': 100, 'matched': 0}, 'likewise: ' + r.stdout)
+
+
+def missing_images(c, source):
+    sequence = sequence_in(c, 'basin')
+    basin = ('basin', sequence, '--trials', '1', '--repeats', '1', '--particles', '50')
+    expect(c, 'basin', OK, (), *basin)
+    truncate_image(sequence)
+    expect(c, 'basin without an image', INCOMPLETE, ('2.pgm',), *basin)
+    add_mask(160, 120)(sequence)
+    expect(c, 'masks of one image', INCOMPLETE, ('mask.txt: none for 4 of 5 images',), 'localize', sequence,
+           '--particles', '50', '--out', os.path.join(c.folder, 'basin.txt'))
+
+
+def simulation(c, source):
+    flight = os.path.join(source, 'test', 'data', 'small_flight.yaml')
+    mine = os.path.join(c.folder, 'mine')
+    os.makedirs(mine)
+    write(os.path.join(mine, 'model.obj'), '# mine\n')
+    expect(c, 'a model in the way', INPUT, ('model.obj',), 'simulate', flight, mine, '--images', '1')
+    check(content(os.path.join(mine, 'model.obj')) == b'# mine\n' and os.listdir(mine) == ['model.obj'],
+          'it is as it was')
+    out = os.path.join(c.folder, 'interrupted')
+    listed = os.path.join(out, 'rgb.txt')
+    with subprocess.Popen([c.tool, 'simulate', flight, out, '--rate', '200'], stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True) as flying:
+        while flying.poll() is None and not (os.path.exists(listed) and content(listed).count(b'\n') > 2):
+            time.sleep(0.05)
+        flying.send_signal(signal.SIGINT)
+        stdout = flying.communicate()[0]
+    check(flying.returncode == INCOMPLETE and '(interrupted)' in stdout,
+          'an interrupted flight: %d %s' % (flying.returncode, stdout))
+
+
+def comparison(c, source):
+    def compare(out, *more):
+        return ('compare', os.path.join(c.folder, out), '--rate', '3', '--seeds', '1', '--particles', '60',
+                '--method', 'edges', *more)
+    data = os.path.join(source, 'test', 'data')
+    scenario, core = os.path.join(c.folder, 'edited.yaml'), str(min(os.sched_getaffinity(0)))
+    with open(os.path.join(data, 'small_flight.yaml')) as f:
+        text = f.read().replace('../../maps', os.path.join(source, 'maps'))
+    write(scenario, text.replace('small_camera.yaml', os.path.join(data, 'small_camera.yaml')))
+    flights = compare('compared', '--flight', scenario, '--budget-ms', '20', '--core', core)
+    expect(c, 'compare', OK, (), *flights)
+    made_by = content(os.path.join(c.folder, 'compared', 'comparison.md')).decode().splitlines()[4]
+    check(all(' ' + w in made_by for w in ('--method edges', '--budget-ms 20', '--core ' + core)),
+          'the command that makes the document anew: ' + made_by)
+    expect(c, 'compare again', OK, (), *flights)
+    with open(scenario) as f:
+        text = f.read()
+    assert 'seed: 3' in text
+    write(scenario, text.replace('seed: 3', 'seed: 4'))
+    expect(c, 'an edited scenario', INPUT, ('edited', 'another'), *flights)
+    folders = [os.path.join(c.folder, parent, 'twin') for parent in ('one', 'two')]
+    for folder in folders:
+        shutil.copytree(os.path.join(c.folder, 'compared', 'flights', 'edited'), folder)
+    expect(c, 'compare on a directory', OK, (), *compare('twins', '--sequence', folders[0]))
+    expect(c, 'the same by another way', OK, (),
+           *compare('twins', '--sequence', folders[1] + '/../../one/twin/'))
+    expect(c, 'another of its name', INPUT, ('two/twin', 'another'),
+           *compare('twins', '--sequence', folders[1]))
+
+
+def main():
+    tool, source = sys.argv[1:3]
+    folder = tempfile.mkdtemp()
+    try:
+        c = Cases(tool, folder)
+        for part in (contradictions, rawlogs, outputs, evaluation, missing_images, simulation, comparison):
+            part(c, source)
+    finally:
+        shutil.rmtree(folder)
+    return 1 if failures else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
