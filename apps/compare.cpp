@@ -60,20 +60,29 @@ std::string fingerprintOf(const std::string& text) {
   return hex;
 }
 
-/// Flights and runs are kept by the name of their sequence: under a name there must be one only.
-void checkSource(const CompareOptions& o, const std::string& name, const std::string& source,
-                 const std::string& fingerprint) {
+nlohmann::json sourcesOf(const CompareOptions& o) {
   const std::string file = o.out + "/sources.json";
   nlohmann::json kept = nlohmann::json::object();
   if (std::ifstream in(file); in) kept = nlohmann::json::parse(in, nullptr, false);
   if (!kept.is_object()) throw InputError(file + ": broken; take another directory");
-  if (!kept.contains(name)) {
-    kept[name] = fingerprint;
-    writeJson(file, kept);
-  } else if (kept[name] != fingerprint) {
+  return kept;
+}
+
+/// Flights and runs are kept by the name of their sequence: under a name there must be one only.
+void checkSource(const CompareOptions& o, const std::string& name, const std::string& source,
+                 const std::string& fingerprint) {
+  const nlohmann::json kept = sourcesOf(o);
+  if (kept.contains(name) && kept[name] != fingerprint)
     throw InputError(source + ": what " + o.out + " holds of " + name +
                      " was made of another one; take another directory");
-  }
+}
+
+/// To be called when there is something of it.
+void keepSource(const CompareOptions& o, const std::string& name, const std::string& fingerprint) {
+  nlohmann::json kept = sourcesOf(o);
+  if (kept.contains(name)) return;
+  kept[name] = fingerprint;
+  writeJson(o.out + "/sources.json", kept);
 }
 
 /// Results are kept by the names of their sequences.
@@ -93,9 +102,13 @@ std::string simulated(const std::string& scenario_file, const CompareOptions& o)
   std::ifstream in(scenario_file);
   if (!in) throw InputError(scenario_file + ": cannot be read");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  checkSource(o, name, scenario_file, fingerprintOf("flight " + text));
+  const std::string fingerprint = fingerprintOf("flight " + text);
+  checkSource(o, name, scenario_file, fingerprint);
   const fs::path directory = fs::path(o.out) / "flights" / name;
-  if (fs::exists(directory)) return directory.string();
+  if (fs::exists(directory)) {
+    keepSource(o, name, fingerprint);
+    return directory.string();
+  }
   const fs::path partial = fs::path(o.out) / "unfinished" / name;
   fs::remove_all(partial);
   fs::create_directories(partial.parent_path());
@@ -113,6 +126,7 @@ std::string simulated(const std::string& scenario_file, const CompareOptions& o)
   }
   writer.close();
   fs::rename(partial, directory);
+  keepSource(o, name, fingerprint);
   return directory.string();
 }
 
@@ -270,9 +284,11 @@ int run(const CompareOptions& o) {
   for (const std::string& d : directories) sequences.emplace_back(d, readSequence(d));
   checkNames(sequences);
   for (const auto& [directory, sequence] : sequences)
-    if (std::find(o.sequences.begin(), o.sequences.end(), directory) != o.sequences.end())
-      checkSource(o, sequence.name, directory,
-                  fingerprintOf("directory " + fs::canonical(directory).string()));
+    if (std::find(o.sequences.begin(), o.sequences.end(), directory) != o.sequences.end()) {
+      const std::string print = fingerprintOf("directory " + fs::canonical(directory).string());
+      checkSource(o, sequence.name, directory, print);
+      keepSource(o, sequence.name, print);
+    }
   Plan plan(o, std::move(sequences));
   Comparison comparison = plan.run();
   comparison.machine = processor();

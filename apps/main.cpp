@@ -26,7 +26,8 @@ int main(int argc, char** argv) {
       "  edge-mcl view SEQUENCE                           watch it\n"
       "  edge-mcl evaluate est.txt groundtruth.txt        how good is it?\n\n"
       "Exit codes: 0 done; 2 wrong options or parameters; 3 a file is missing or broken; 4 done, "
-      "but some images could not be used or are missing, or no pose was found; 5 internal error."};
+      "but some images could not be used or are missing, no pose was found or matched, or it was "
+      "interrupted; 5 internal error."};
   app.require_subcommand(1);
   app.set_version_flag("--version", EDGE_MCL_VERSION);
   int threads = 0;

@@ -3,24 +3,26 @@
 #include <cstdio>
 #include <utility>
 
-#include "edge_mcl/core/error.h"
-
 #ifdef EDGE_MCL_HAS_CUDA
 #include "edge_mcl/gpu/cuda_backend.h"
 #endif
 
 namespace edge_mcl {
 
+namespace {
+
+/// Not by std::cerr, which the tool has closed to the libraries.
+void warn(const std::string& text) { std::fprintf(stderr, "edge_mcl: %s\n", text.c_str()); }
+
+}  // namespace
+
 std::unique_ptr<LikelihoodBackend> makeDeviceBackend(std::shared_ptr<const Visibility> visibility) {
 #ifdef EDGE_MCL_HAS_CUDA
-  if (const std::string why = whyNoCuda(); !why.empty()) throw Error(why);
-  return makeCudaBackend(std::move(visibility), [](const std::string& warning) {
-    // Not by std::cerr, which the tool has closed to the libraries.
-    std::fprintf(stderr, "edge_mcl: %s\n", warning.c_str());
-  });
+  if (const std::string why = whyNoCuda(); !why.empty()) throw NoDevice(why);
+  return makeCudaBackend(std::move(visibility), warn);
 #else
   (void)visibility;
-  throw Error("built without CUDA");
+  throw NoDevice("built without CUDA");
 #endif
 }
 
@@ -33,6 +35,7 @@ void chooseBackend(LocalizationMap* map, const DeviceFactory& make_device) {
   } catch (const Error& e) {
     if (choice == BackendChoice::kCuda)
       throw ParameterError(std::string("likelihood.backend cuda: ") + e.what());
+    if (dynamic_cast<const NoDevice*>(&e) == nullptr) warn(std::string(e.what()) + "; CPU used");
   }
 }
 

@@ -160,10 +160,14 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
   // A pose that was just given holds for the first image after it.
   if (last_time_ && !result->restarted) {
     const double dt = input.time - *last_time_;
-    // Nobody knows what happened in a time without images; a camera may be slow, though.
-    const bool is_gap = last_interval_ > 0 && dt > kBlindly && dt > 3 * last_interval_;
-    if (is_gap && initial_ && !fresh_) proof_.interrupt(!input.odometry || !last_odometry_);
-    last_interval_ = dt;
+    // Nobody knows what happened in a time without images. A camera may be slow, though, or send
+    // its images in bursts.
+    const bool is_gap = longest_interval_ > 0 && dt > kBlindly && dt > 3 * longest_interval_;
+    longest_interval_ = std::max(dt, 0.9 * longest_interval_);
+    if (is_gap && initial_ && !fresh_) {
+      proof_.interrupt(!input.odometry || !last_odometry_);
+      if (trusted_) trusted_at_ = input.time;  // doubted, but no image has contradicted it
+    }
     std::optional<Pose> increment;
     if (input.odometry && last_odometry_)
       increment = normalized(last_odometry_->inverse() * *input.odometry);
@@ -192,6 +196,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
 bool LiveLocalizer::hasMoved(const LiveInput& input) const {
   const TrackingParameters& p = tracking_;
   if (p.update_min_d <= 0 && p.update_min_a_deg <= 0) return true;
+  if (!trusted_ || proof_.isNeeded()) return true;  // doubts are settled by images, at rest too
   if (input.force_update || !input.odometry || !odometry_of_update_) return true;
   const Pose motion = odometry_of_update_->inverse() * *input.odometry;
   const double angle_deg = logSo3(motion.linear()).norm() * 180 / M_PI;
@@ -363,7 +368,7 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
 
 void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
   if (isInitialized() && !searching_ && !hasMoved(input)) {
-    if (trusted_) trusted_at_ = input.time;  // at rest there is nothing to lose
+    trusted_at_ = input.time;  // at rest there is nothing to lose
     return;
   }
   std::string problem;

@@ -121,7 +121,7 @@ class LiveLocalizer {
   LocalizerState state_ = LocalizerState::kUninitialized;
   bool fresh_ = false;  // no image since the pose was given
   std::optional<double> last_time_;
-  double last_interval_ = 0;  // s, between the last two inputs; 0: not known
+  double longest_interval_ = 0;  // s, between inputs of late; 0: not known
   std::optional<Pose> last_odometry_;
   std::optional<Pose> odometry_of_update_;  // where the images were last used
   std::optional<double> trusted_at_;        // last time, or when it began

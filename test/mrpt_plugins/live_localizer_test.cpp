@@ -83,7 +83,7 @@ TEST_F(LiveLocalizerTest, AfterAGapOneImageProvesNothing) {
   for (int i = 0; i < 10; ++i)
     EXPECT_EQ(localizer.process(input(time += 0.1, here_)).state, LocalizerState::kTracking);
   time += 10;
-  EXPECT_NE(localizer.process(input(time, here_)).state, LocalizerState::kTracking);
+  EXPECT_EQ(localizer.process(input(time, here_)).state, LocalizerState::kDegraded);
   for (int i = 0; i < 30; ++i) localizer.process(input(time += 0.1, here_));
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
 }
@@ -92,6 +92,55 @@ TEST_F(LiveLocalizerTest, ASlowCameraHasNoGaps) {
   LiveLocalizer localizer = begun(alone());
   for (int i = 0; i < 10; ++i)
     EXPECT_EQ(localizer.process(input(5.0 * i, here_)).state, LocalizerState::kTracking) << i;
+}
+
+TEST_F(LiveLocalizerTest, NorHasOneThatSendsBursts) {
+  LiveLocalizer localizer = begun(alone());
+  double time = 0;
+  int tracked = 0;
+  for (int burst = 0; burst < 6; ++burst) {
+    for (int i = 0; i < 6; ++i) {
+      const LocalizerState state = localizer.process(input(time += 0.3, here_)).state;
+      EXPECT_NE(state, LocalizerState::kLost);
+      tracked += state == LocalizerState::kTracking ? 1 : 0;
+    }
+    time += 4;
+  }
+  EXPECT_GE(tracked, 31);  // of 36; the first pause is one
+}
+
+TEST_F(LiveLocalizerTest, AfterAGapImagesAreLookedAtAtRestToo) {
+  Parameters params = alone();
+  params.tracking.update_min_d = 0.05;
+  LiveLocalizer localizer = begun(params);
+  double time = 0;
+  for (int i = 0; i < 20; ++i) {
+    Pose odometry = Pose::Identity();
+    odometry.translation().x() = i % 2 ? 0 : 0.002;
+    localizer.process(input(time += 0.1, here_, odometry));
+  }
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+  time += 10;  // carried elsewhere, unknown to its odometry
+  int tracked = 0;
+  for (int i = 0; i < 40; ++i)
+    tracked += localizer.process(input(time += 0.1, elsewhere_)).state == LocalizerState::kTracking;
+  EXPECT_EQ(tracked, 0);
+  EXPECT_EQ(localizer.state(), LocalizerState::kLost);
+}
+
+TEST_F(LiveLocalizerTest, RestCostsNothing) {
+  Parameters params = alone();
+  params.tracking.update_min_d = 0.05;
+  LiveLocalizer localizer = begun(params);
+  localizer.process(input(0, here_));
+  LiveInput doubted = input(0.1, elsewhere_);
+  doubted.force_update = true;
+  EXPECT_EQ(localizer.process(doubted).state, LocalizerState::kDegraded);
+  double time = 0.1;
+  for (int i = 0; i < 100; ++i) localizer.process(input(time += 0.1, here_));  // at rest
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+  doubted.time = time + 0.1;
+  EXPECT_EQ(localizer.process(doubted).state, LocalizerState::kDegraded);
 }
 
 TEST_F(LiveLocalizerTest, WithoutRefinementItTracks) {
