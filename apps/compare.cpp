@@ -281,6 +281,7 @@ int run(const CompareOptions& o) {
   directories.insert(directories.end(), o.sequences.begin(), o.sequences.end());
   if (directories.empty()) throw ParameterError("nothing to compare on: --flight, --sequence");
   std::vector<std::pair<std::string, Sequence>> sequences;
+  sequences.reserve(directories.size());
   for (const std::string& d : directories) sequences.emplace_back(d, readSequence(d));
   checkNames(sequences);
   for (const auto& [directory, sequence] : sequences)

@@ -4,9 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cstring>
+#include <iterator>
 #include <new>
 #include <optional>
+#include <tuple>
 
 #include "edge_mcl/gpu/cell_packing.h"
 #include "edge_mcl/gpu/conversion.h"
@@ -22,6 +23,15 @@ size_t batchFor(size_t particles) {
   return std::clamp(particles / 4, size_t{16384}, size_t{131072});
 }
 constexpr size_t kMostRecipes = 8;
+
+bool isSame(const gpu::Camera& a, const gpu::Camera& b) {
+  // What else is in it depends on these.
+  const auto numbers = [](const gpu::Camera& c) {
+    return std::tie(c.fx, c.fy, c.cx, c.cy, c.last_x, c.last_y, c.distortion);
+  };
+  return numbers(a) == numbers(b) && std::equal(std::begin(a.k), std::end(a.k), std::begin(b.k));
+}
+
 /// Particles that a thread prepares at once.
 constexpr size_t kGrain = 512;
 
@@ -82,7 +92,7 @@ int DeviceBackend::imageOf(const LikelihoodFrame& frame) const {
   const gpu::Camera camera = gpu::cameraOf(frame.camera);
   int oldest = 0;
   for (int i = 0; i < gpu::ScoringEngine::kImages; ++i) {
-    if (held_[i].owner == owner && std::memcmp(&held_[i].camera, &camera, sizeof camera) == 0) {
+    if (held_[i].owner == owner && isSame(held_[i].camera, camera)) {
       held_[i].used = ++calls_;
       return i;
     }
