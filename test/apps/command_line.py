@@ -316,72 +316,6 @@ def detector(c, source):
             ' '.join(options), r.returncode, r.stderr))
 
 
-def detect_files(c):
-    """What detect reads it does not overwrite; what it cannot read it says, and goes on."""
-    def content(path):
-        with open(path, 'rb') as f:
-            return f.read()
-
-    def refused(name, words, *arguments):
-        r = c.run('detect', *arguments)
-        check(r.returncode == USAGE and all(w in r.stderr for w in words) and 'Traceback' not in r.stderr,
-              'detect, %s: %d %s' % (name, r.returncode, r.stderr))
-    folder = os.path.join(c.folder, 'detect')
-    photos, more, out = (os.path.join(folder, name) for name in ('photos', 'more', 'out'))
-    os.makedirs(photos)
-    os.makedirs(more)
-    # What kind of picture it is is told from its content.
-    photo, same_stem, same_name = (os.path.join(photos, 'a.png'), os.path.join(photos, 'a.pgm'),
-                                   os.path.join(more, 'a.png'))
-    for path in (photo, same_stem, same_name):
-        pgm(path, 0)
-    before = content(photo)
-    refused('pictures upon photographs', ['a.png', 'input'], photo, '--overlay', photos)
-    refused('the same by another name', ['a.png', 'input'], photo, '--overlay', more + '/../photos')
-    check(content(photo) == before, 'the photograph is as it was')
-    for other in (same_stem, same_name):
-        refused('two names alike', [photo, other], photo, other, '--out', out)
-    refused('masks and pictures in one place', ['a.png'], photo, '--out', out, '--overlay', out + '/mask')
-    check(not os.path.exists(out), 'nothing is begun')
-    check(c.run('detect', photo, same_stem).returncode == OK, 'names alike, nothing to write')
-    os.makedirs(out + '/mask.txt')
-    r = c.run('detect', photo, '--out', out)
-    check(r.returncode == INPUT and 'mask.txt' in r.stderr, 'a list that cannot be written: ' + r.stderr)
-    strange = os.fsencode(photos) + b'/m\xff.png'
-    shutil.copy(photo, strange)
-    r = c.run('detect', os.fsdecode(strange), '--json')
-    check(r.returncode == OK and len(json.loads(r.stdout)['images']) == 1, 'a name that is not UTF-8')
-
-    sequence = os.path.join(folder, 'sequence')
-    make_sequence(sequence)
-    add_mask(160, 120)(sequence)
-    masks = os.path.join(sequence, 'mask.txt')
-    before = content(masks)
-    refused("upon the sequence's own masks", ['mask.txt', 'input'], sequence, '--out', sequence)
-    check(content(masks) == before, 'the list of masks is as it was')
-    refused('a delay without a rate', ['--rate'], sequence, '--delay', '1')
-    # Of 16 bits, all of them small: whatever is found, it is not the whole image.
-    mask = os.path.join(sequence, 'mask', '0.pgm')
-    with open(mask, 'wb') as f:
-        f.write(b'P5\n160 120\n65535\n' + b'\0\1' * (160 * 120))
-    r = c.run('detect', sequence, '--json')
-    check(r.returncode == OK and json.loads(r.stdout)['summary']['mask_iou_mean'] < 1,
-          'a mask of 16 bits: %d %s' % (r.returncode, r.stdout[:300]))
-    for name, text in (('of another size', 'P5\n2 1\n255\n12'), ('that is none', '')):
-        write(mask, text)
-        r = c.run('detect', sequence, '--json')
-        check(r.returncode == INCOMPLETE and '0.pgm' in r.stderr and r.stderr.count('\n') == 1,
-              'a mask %s: %d %s' % (name, r.returncode, r.stderr))
-    os.remove(masks)
-    truncate_image(sequence)
-    for options in ((), ('--rate', '5')):
-        out = os.path.join(folder, 'masks%d' % len(options))
-        r = c.run('detect', sequence, '--out', out, *options)
-        lines = content(out + '/mask.txt').decode().splitlines()
-        check(r.returncode == INCOMPLETE and '2.pgm' in r.stderr and len(lines) == 5,
-              'four of five images: %d %s' % (r.returncode, r.stderr))
-
-
 def comparison(c, source):
     out = os.path.join(c.folder, 'comparison')
     flight = os.path.join(source, 'test', 'data', 'small_flight.yaml')
@@ -467,7 +401,6 @@ def main():
         search(c, source)
         simulator(c, source)
         detector(c, source)
-        detect_files(c)
         comparison(c, source)
         replaced_program(c, source)
     finally:
