@@ -153,11 +153,15 @@ namespace {
 
 /// Every so many-th index: neighbours stem from one ancestor, so this takes the same share from
 /// each.
+bool isInEvenShare(size_t i, double share) {
+  return std::floor(share * static_cast<double>(i + 1)) >
+         std::floor(share * static_cast<double>(i));
+}
+
 std::vector<size_t> evenShare(size_t n, double share) {
   std::vector<size_t> chosen;
   for (size_t i = 0; i < n; ++i)
-    if (std::floor(share * static_cast<double>(i + 1)) > std::floor(share * static_cast<double>(i)))
-      chosen.push_back(i);
+    if (isInEvenShare(i, share)) chosen.push_back(i);
   return chosen;
 }
 
@@ -172,10 +176,9 @@ double PoseFilter::shareToInject() const {
 void PoseFilter::drawTails(const PredictiveDensity& predictive, double share) {
   // The same share of those that are redrawn later as of those that are not, or the latter would
   // hold more tails than their density says.
-  std::vector<size_t> kept, redrawn = evenShare(poses_.size(), params_.refined_share);
-  if (!refinement_.enabled) redrawn.clear();
+  std::vector<size_t> kept, redrawn;
   for (size_t i = 0; i < poses_.size(); ++i)
-    if (!std::binary_search(redrawn.begin(), redrawn.end(), i)) kept.push_back(i);
+    (refinement_.enabled && isInEvenShare(i, params_.refined_share) ? redrawn : kept).push_back(i);
   for (const std::vector<size_t>* part : {&kept, &redrawn})
     for (const size_t k : evenShare(part->size(), share))
       poses_[(*part)[k]] = predictive.drawTail(&random_);
@@ -272,11 +275,10 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
                                       const PredictiveDensity& predictive, UpdateReport* report) {
   const auto start = Clock::now();
   RefinementResult sharp;
+  sharp.pose = cloud.mean;
   if (refinement_.enabled)
     sharp = map.refine(views, cloud.mean, predictive.componentOf(cloud.mean));
-  const std::vector<PoseScore> compared =
-      map.evaluate(views, refinement_.enabled ? std::vector<Pose>{cloud.mean, sharp.pose}
-                                              : std::vector<Pose>{cloud.mean});
+  const std::vector<PoseScore> compared = map.evaluate(views, {cloud.mean, sharp.pose});
   const bool is_better =
       refinement_.enabled && compared[1].log_likelihood + predictive.log(sharp.pose) >=
                                  compared[0].log_likelihood + predictive.log(cloud.mean);
