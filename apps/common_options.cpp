@@ -1,6 +1,6 @@
-#include "common_options.h"
+#include "apps/common_options.h"
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 
 namespace edge_mcl {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/base/parameters.h"
 
 namespace edge_mcl {
 

@@ -3,11 +3,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common_options.h"
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/overlay.h"
-#include "edge_mcl/core/picture_file.h"
-#include "output_files.h"
+#include "apps/common_options.h"
+#include "apps/output_files.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/drawing/overlay.h"
+#include "edge_mcl/core/image/picture_file.h"
 
 namespace edge_mcl {
 

@@ -9,8 +9,8 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <sstream>
 
-#include "common_options.h"
-#include "edge_mcl/core/error.h"
+#include "apps/common_options.h"
+#include "edge_mcl/core/base/error.h"
 
 int main(int argc, char** argv) {
   using namespace edge_mcl;

@@ -1,4 +1,4 @@
-#include "output_files.h"
+#include "apps/output_files.h"
 
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 
 namespace edge_mcl {
 

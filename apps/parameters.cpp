@@ -3,10 +3,10 @@
 #include <memory>
 #include <string>
 
-#include "common_options.h"
-#include "edge_mcl/core/parameter_text.h"
+#include "apps/common_options.h"
+#include "edge_mcl/core/base/parameter_text.h"
 #include "edge_mcl/detector/detector_parameters.h"
-#include "edge_mcl/viewer/view_parameters.h"
+#include "edge_mcl/viewer/drawing/view_parameters.h"
 
 namespace edge_mcl {
 

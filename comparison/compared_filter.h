@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "edge_mcl/mrpt_plugins/live_localizer.h"
+#include "edge_mcl/localization/tracking/live_localizer.h"
 
 namespace edge_mcl {
 

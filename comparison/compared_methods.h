@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "edge_mcl/comparison/compared_filter.h"
-#include "edge_mcl/core/sequence.h"
+#include "edge_mcl/core/recordings/sequence.h"
 
 namespace edge_mcl {
 

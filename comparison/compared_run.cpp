@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "edge_mcl/comparison/compared_methods.h"
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/mrpt_plugins/sequence_input.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/recorded/sequence_input.h"
 
 namespace edge_mcl {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "edge_mcl/core/trajectory_evaluation.h"
+#include "edge_mcl/core/recordings/trajectory_evaluation.h"
 
 namespace edge_mcl {
 

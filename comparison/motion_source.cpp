@@ -1,5 +1,5 @@
 #include "edge_mcl/comparison/compared_filter.h"
-#include "edge_mcl/mrpt_plugins/motion_noise.h"
+#include "edge_mcl/localization/filter/motion_noise.h"
 
 namespace edge_mcl {
 

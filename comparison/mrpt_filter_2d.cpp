@@ -11,7 +11,7 @@
 
 #include "edge_mcl/comparison/mrpt_runner.h"
 #include "edge_mcl/comparison/surface_points.h"
-#include "edge_mcl/core/random_source.h"
+#include "edge_mcl/core/base/random_source.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 
 namespace edge_mcl {

@@ -5,7 +5,7 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
 #include "edge_mcl/comparison/compared_filter.h"
-#include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl {
 

@@ -11,8 +11,8 @@
 
 #include "edge_mcl/comparison/mrpt_runner.h"
 #include "edge_mcl/comparison/surface_points.h"
-#include "edge_mcl/core/image_edges.h"
-#include "edge_mcl/core/random_source.h"
+#include "edge_mcl/core/base/random_source.h"
+#include "edge_mcl/core/image/image_edges.h"
 #include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 

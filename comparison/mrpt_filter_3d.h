@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "edge_mcl/comparison/compared_filter.h"
-#include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl {
 

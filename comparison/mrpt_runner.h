@@ -4,7 +4,7 @@
 #include <mrpt/bayes/CParticleFilter.h>
 #include <mrpt/random/RandomGenerators.h>
 
-#include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/base/parameters.h"
 
 namespace edge_mcl {
 

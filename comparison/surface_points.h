@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl {
 

@@ -4,8 +4,8 @@
 #include <bitset>
 #include <chrono>
 
-#include "edge_mcl/core/edge_field.h"
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/image/edge_field.h"
 
 namespace edge_mcl {
 

@@ -8,16 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "edge_mcl/core/cpu_backend.h"
-#include "edge_mcl/core/depth_likelihood.h"
-#include "edge_mcl/core/edge_model.h"
-#include "edge_mcl/core/edge_pixels.h"
-#include "edge_mcl/core/image_edges.h"
-#include "edge_mcl/core/mesh_model.h"
-#include "edge_mcl/core/parameters.h"
+#include "edge_mcl/core/base/parameters.h"
+#include "edge_mcl/core/depth/depth_likelihood.h"
+#include "edge_mcl/core/edges/edge_model.h"
+#include "edge_mcl/core/edges/visibility.h"
+#include "edge_mcl/core/image/edge_pixels.h"
+#include "edge_mcl/core/image/image_edges.h"
+#include "edge_mcl/core/likelihood/cpu_backend.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
+#include "edge_mcl/core/places/search_places.h"
 #include "edge_mcl/core/pose_refiner.h"
-#include "edge_mcl/core/search_places.h"
-#include "edge_mcl/core/visibility.h"
 
 namespace edge_mcl {
 

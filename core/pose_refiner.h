@@ -9,14 +9,14 @@
 #include <optional>
 #include <vector>
 
-#include "edge_mcl/core/camera_model.h"
-#include "edge_mcl/core/depth_likelihood.h"
-#include "edge_mcl/core/edge_pixels.h"
-#include "edge_mcl/core/image_edges.h"
-#include "edge_mcl/core/normal_equations.h"
-#include "edge_mcl/core/parameters.h"
-#include "edge_mcl/core/se3.h"
-#include "edge_mcl/core/visibility.h"
+#include "edge_mcl/core/base/normal_equations.h"
+#include "edge_mcl/core/base/parameters.h"
+#include "edge_mcl/core/base/se3.h"
+#include "edge_mcl/core/camera/camera_model.h"
+#include "edge_mcl/core/depth/depth_likelihood.h"
+#include "edge_mcl/core/edges/visibility.h"
+#include "edge_mcl/core/image/edge_pixels.h"
+#include "edge_mcl/core/image/image_edges.h"
 
 namespace edge_mcl {
 

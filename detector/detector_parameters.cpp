@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "edge_mcl/core/parameter_struct.h"
+#include "edge_mcl/core/base/parameter_struct.h"
 
 namespace edge_mcl {
 

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/detector/output_layouts.h"
 
 namespace edge_mcl {

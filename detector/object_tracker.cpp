@@ -7,7 +7,7 @@
 #include <opencv2/video/tracking.hpp>
 #include <tuple>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 
 namespace edge_mcl {
 

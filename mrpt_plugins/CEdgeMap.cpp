@@ -10,8 +10,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/mrpt_plugins/backend_choice.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/backend_choice.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 #include "edge_mcl/mrpt_plugins/observation_input.h"
 

@@ -3,8 +3,8 @@
 
 #include <mrpt/slam/CMonteCarloLocalization3D.h>
 
+#include "edge_mcl/localization/filter/pose_filter.h"
 #include "edge_mcl/mrpt_plugins/CEdgeMap.h"
-#include "edge_mcl/mrpt_plugins/pose_filter.h"
 
 namespace edge_mcl {
 

@@ -8,8 +8,8 @@
 
 #include <string>
 
-#include "edge_mcl/core/camera_model.h"
-#include "edge_mcl/core/se3.h"
+#include "edge_mcl/core/base/se3.h"
+#include "edge_mcl/core/camera/camera_model.h"
 
 namespace edge_mcl {
 

@@ -8,8 +8,8 @@
 #include <functional>
 #include <vector>
 
-#include "edge_mcl/core/camera_rays.h"
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/camera/camera_rays.h"
 #include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 

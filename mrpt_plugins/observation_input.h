@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "edge_mcl/core/camera_model.h"
-#include "edge_mcl/core/depth_points.h"
-#include "edge_mcl/core/se3.h"
+#include "edge_mcl/core/base/se3.h"
+#include "edge_mcl/core/camera/camera_model.h"
+#include "edge_mcl/core/depth/depth_points.h"
 
 namespace edge_mcl {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/image_edges.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/image/image_edges.h"
 #include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 

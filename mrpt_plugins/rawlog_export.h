@@ -6,9 +6,9 @@
 
 #include <memory>
 
-#include "edge_mcl/core/parameters.h"
-#include "edge_mcl/core/recording.h"
-#include "edge_mcl/core/sequence.h"
+#include "edge_mcl/core/base/parameters.h"
+#include "edge_mcl/core/recordings/recording.h"
+#include "edge_mcl/core/recordings/sequence.h"
 
 namespace edge_mcl {
 

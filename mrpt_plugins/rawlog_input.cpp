@@ -18,7 +18,7 @@
 #include <functional>
 #include <utility>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 #include "edge_mcl/mrpt_plugins/observation_input.h"
 

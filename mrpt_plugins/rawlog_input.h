@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "edge_mcl/mrpt_plugins/recorded_input.h"
+#include "edge_mcl/localization/recorded/recorded_input.h"
 
 namespace edge_mcl {
 

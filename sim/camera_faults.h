@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "edge_mcl/core/random_source.h"
+#include "edge_mcl/core/base/random_source.h"
 
 namespace edge_mcl {
 

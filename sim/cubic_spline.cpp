@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 
 namespace edge_mcl {
 

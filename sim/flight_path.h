@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "edge_mcl/core/se3.h"
-#include "edge_mcl/core/text_table.h"
+#include "edge_mcl/core/base/se3.h"
+#include "edge_mcl/core/recordings/text_table.h"
 #include "edge_mcl/sim/cubic_spline.h"
 
 namespace edge_mcl {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/sim/flight_path.h"
 
 namespace edge_mcl {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "edge_mcl/core/se3.h"
+#include "edge_mcl/core/base/se3.h"
 
 namespace edge_mcl {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/random_source.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/base/random_source.h"
 
 namespace edge_mcl {
 

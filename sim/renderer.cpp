@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edge_mcl/core/large_buffer.h"
+#include "edge_mcl/core/base/large_buffer.h"
 
 namespace edge_mcl {
 

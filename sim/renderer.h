@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "edge_mcl/core/camera_rays.h"
+#include "edge_mcl/core/camera/camera_rays.h"
 #include "edge_mcl/sim/scene.h"
 
 namespace edge_mcl {

@@ -5,9 +5,9 @@
 #include <functional>
 #include <map>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/parameters.h"
-#include "edge_mcl/core/yaml_file.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/base/parameters.h"
+#include "edge_mcl/core/base/yaml_file.h"
 
 namespace edge_mcl {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "edge_mcl/core/camera_model.h"
+#include "edge_mcl/core/camera/camera_model.h"
 #include "edge_mcl/sim/camera_faults.h"
 #include "edge_mcl/sim/flight_path.h"
 #include "edge_mcl/sim/renderer.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/ray_mesh.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "edge_mcl/core/mesh_model.h"
-#include "edge_mcl/core/se3.h"
+#include "edge_mcl/core/base/se3.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl {
 

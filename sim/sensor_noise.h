@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "edge_mcl/core/random_source.h"
-#include "edge_mcl/core/recording.h"
+#include "edge_mcl/core/base/random_source.h"
+#include "edge_mcl/core/recordings/recording.h"
 #include "edge_mcl/sim/flight_path.h"
 
 namespace edge_mcl {

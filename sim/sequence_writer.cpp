@@ -9,9 +9,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/mesh_model.h"
-#include "edge_mcl/core/text_table.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
+#include "edge_mcl/core/recordings/text_table.h"
 
 namespace edge_mcl {
 

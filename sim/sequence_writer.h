@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "edge_mcl/core/recording.h"
+#include "edge_mcl/core/recordings/recording.h"
 
 namespace edge_mcl {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/sim/random_flight.h"
 
 namespace edge_mcl {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "edge_mcl/core/random_source.h"
-#include "edge_mcl/core/recording.h"
+#include "edge_mcl/core/base/random_source.h"
+#include "edge_mcl/core/recordings/recording.h"
 #include "edge_mcl/sim/simulator.h"
 
 namespace edge_mcl {

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/picture_file.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/image/picture_file.h"
 #include "edge_mcl/detector/training/training_view.h"
 
 namespace {

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <sstream>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/ray_mesh.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl {
 

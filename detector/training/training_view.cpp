@@ -5,7 +5,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "edge_mcl/core/ray_mesh.h"
+#include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
 

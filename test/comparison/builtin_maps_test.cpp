@@ -5,7 +5,7 @@
 
 #include "edge_mcl/comparison/mrpt_filter_2d.h"
 #include "edge_mcl/comparison/surface_points.h"
-#include "edge_mcl/core/random_source.h"
+#include "edge_mcl/core/base/random_source.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

@@ -8,7 +8,7 @@
 #include "edge_mcl/comparison/compared_methods.h"
 #include "edge_mcl/comparison/comparison_plot.h"
 #include "edge_mcl/comparison/comparison_report.h"
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/sim/sequence_writer.h"
 #include "edge_mcl/sim/simulator.h"
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "edge_mcl/core/base/random_source.h"
 #include "edge_mcl/core/localization_map.h"
-#include "edge_mcl/core/random_source.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

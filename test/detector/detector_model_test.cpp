@@ -5,7 +5,7 @@
 #include <fstream>
 #include <opencv2/imgproc.hpp>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/detector/default_model.h"
 #include "edge_mcl/detector/detector_model.h"
 #include "edge_mcl/detector/mask_detector.h"

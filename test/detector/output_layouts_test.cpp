@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/detector/output_layouts.h"
 
 namespace edge_mcl {

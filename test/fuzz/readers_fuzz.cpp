@@ -9,11 +9,11 @@
 #include <fstream>
 #include <string>
 
-#include "edge_mcl/core/camera_model.h"
-#include "edge_mcl/core/edge_model.h"
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/sequence.h"
-#include "edge_mcl/core/text_table.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/camera/camera_model.h"
+#include "edge_mcl/core/edges/edge_model.h"
+#include "edge_mcl/core/recordings/sequence.h"
+#include "edge_mcl/core/recordings/text_table.h"
 
 namespace {
 

@@ -11,12 +11,12 @@
 
 #include <fstream>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/filter/resampling.h"
 #include "edge_mcl/mrpt_plugins/CEdgeMonteCarloLocalization3D.h"
 #include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 #include "edge_mcl/mrpt_plugins/rawlog_export.h"
-#include "edge_mcl/mrpt_plugins/resampling.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <thread>
 
-#include "edge_mcl/nodes/viewer_node.h"
+#include "edge_mcl/nodes/viewer/viewer_node.h"
 
 namespace edge_mcl {
 namespace {

@@ -12,15 +12,15 @@
 #include <opencv2/core.hpp>
 #include <random>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/mask_motion.h"
-#include "edge_mcl/nodes/bag_writer.h"
-#include "edge_mcl/nodes/mask_matcher.h"
-#include "edge_mcl/nodes/node_parameters.h"
-#include "edge_mcl/nodes/particle_file.h"
-#include "edge_mcl/nodes/patience.h"
-#include "edge_mcl/nodes/recording_messages.h"
-#include "edge_mcl/nodes/ros_conversions.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/camera/mask_motion.h"
+#include "edge_mcl/nodes/bags/bag_writer.h"
+#include "edge_mcl/nodes/common/patience.h"
+#include "edge_mcl/nodes/localizer/mask_matcher.h"
+#include "edge_mcl/nodes/localizer/node_parameters.h"
+#include "edge_mcl/nodes/localizer/particle_file.h"
+#include "edge_mcl/nodes/messages/recording_messages.h"
+#include "edge_mcl/nodes/messages/ros_conversions.h"
 
 namespace edge_mcl {
 namespace {

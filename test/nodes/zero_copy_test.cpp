@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-#include "edge_mcl/nodes/ros_conversions.h"
+#include "edge_mcl/nodes/messages/ros_conversions.h"
 
 namespace edge_mcl {
 namespace {

@@ -11,9 +11,9 @@
 #include <random>
 #include <thread>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/nodes/device_clock.h"
-#include "edge_mcl/nodes/openni2_camera.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/nodes/openni2/device_clock.h"
+#include "edge_mcl/nodes/openni2/openni2_camera.h"
 #include "edge_mcl/sim/simulator.h"
 
 namespace edge_mcl {

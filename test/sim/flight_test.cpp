@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/sim/flight_path.h"
 #include "edge_mcl/sim/sensor_noise.h"
 

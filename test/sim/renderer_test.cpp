@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "edge_mcl/core/random_source.h"
+#include "edge_mcl/core/base/random_source.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "edge_mcl/core/error.h"
-#include "edge_mcl/core/sequence.h"
-#include "edge_mcl/mrpt_plugins/sequence_localizer.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/recordings/sequence.h"
+#include "edge_mcl/localization/recorded/sequence_localizer.h"
 #include "edge_mcl/sim/random_flight.h"
 #include "edge_mcl/sim/sequence_writer.h"
 #include "support/scenes.h"

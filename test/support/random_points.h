@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "edge_mcl/core/closest_point.h"
-#include "edge_mcl/core/mesh_model.h"
+#include "edge_mcl/core/mesh/closest_point.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl::test {
 

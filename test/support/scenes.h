@@ -7,9 +7,9 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "edge_mcl/core/camera_model.h"
-#include "edge_mcl/core/mesh_model.h"
-#include "edge_mcl/core/se3.h"
+#include "edge_mcl/core/base/se3.h"
+#include "edge_mcl/core/camera/camera_model.h"
+#include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl::test {
 

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "edge_mcl/core/error.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/mrpt_plugins/CEdgeMonteCarloLocalization3D.h"
 #include "edge_mcl/mrpt_plugins/rawlog_export.h"
 

@@ -1,0 +1,15 @@
+#include "edge_mcl/core/base/heap_blocks.h"
+
+#include <malloc.h>
+
+namespace edge_mcl {
+
+void giveLargeBlocksBack() {
+#ifdef __GLIBC__
+  // Setting it ends the threshold's own growth up to 32 MB, too.
+  mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+  mallopt(M_TRIM_THRESHOLD, 4 * 1024 * 1024);
+#endif
+}
+
+}  // namespace edge_mcl

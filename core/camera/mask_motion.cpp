@@ -1,0 +1,23 @@
+#include "edge_mcl/core/camera/mask_motion.h"
+
+#include <Eigen/LU>
+#include <opencv2/imgproc.hpp>
+
+namespace edge_mcl {
+
+cv::Mat turnMask(const cv::Mat& mask, const CameraModel& camera,
+                 const Eigen::Matrix3d& R_now_then) {
+  // The homography of a turning pinhole camera. Lens distortion bends it by less than masks are
+  // dilated by.
+  Eigen::Matrix3d k;
+  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  const Eigen::Matrix3d h = k * R_now_then * k.inverse();
+  const cv::Matx33d homography(h(0, 0), h(0, 1), h(0, 2), h(1, 0), h(1, 1), h(1, 2), h(2, 0),
+                               h(2, 1), h(2, 2));
+  cv::Mat turned;
+  cv::warpPerspective(mask, turned, homography, mask.size(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
+                      cv::Scalar(0));
+  return turned;
+}
+
+}  // namespace edge_mcl

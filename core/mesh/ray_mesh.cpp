@@ -1,0 +1,49 @@
+#include "edge_mcl/core/mesh/ray_mesh.h"
+
+#include <embree3/rtcore.h>
+
+#include "edge_mcl/core/base/error.h"
+
+namespace edge_mcl {
+
+void attachMesh(RTCDeviceTy* device, RTCSceneTy* scene, const MeshModel& mesh) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                                               mesh.vertices.size()));
+  auto* indices = static_cast<uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(uint32_t), mesh.triangles.size()));
+  if (!vertices || !indices) {
+    rtcReleaseGeometry(geometry);
+    throw Error("out of memory in the ray caster");
+  }
+  for (size_t i = 0; i < mesh.vertices.size(); ++i)
+    for (int k = 0; k < 3; ++k) vertices[3 * i + k] = mesh.vertices[i][k];
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) indices[3 * i + k] = mesh.triangles[i][k];
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+}
+
+bool isBlocked(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f& to,
+               float margin, float end_margin) {
+  RTCRay ray{};
+  const Eigen::Vector3f d = to - from;
+  ray.org_x = from.x();
+  ray.org_y = from.y();
+  ray.org_z = from.z();
+  ray.dir_x = d.x();
+  ray.dir_y = d.y();
+  ray.dir_z = d.z();
+  ray.tnear = margin;
+  ray.tfar = 1 - end_margin;
+  ray.mask = 0xffffffffu;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene, &context, &ray);
+  return ray.tfar < 0;
+}
+
+}  // namespace edge_mcl

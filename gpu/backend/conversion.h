@@ -1,0 +1,28 @@
+/// From the types of core/ to those of the device.
+#pragma once
+
+#include <vector>
+
+#include "edge_mcl/core/likelihood/likelihood_backend.h"
+#include "edge_mcl/gpu/math/particle_score.h"
+#include "edge_mcl/gpu/math/table_recipe.h"
+
+namespace edge_mcl::gpu {
+
+Camera cameraOf(const CameraModel& camera);
+Table tableOf(const ScoreTable& table);
+Rule ruleOf(const LikelihoodFrame& frame);
+Combination combinationOf(const LikelihoodParameters& params);
+/// @param cell number of the visibility cell on the device.
+Particle particleOf(const edge_mcl::Pose& T_map_camera, uint32_t cell);
+
+/// Of the table that is made of the picture.
+Table tableOf(const Picture& picture);
+
+/// Whether a device can make tables with these parameters.
+bool canMakeTables(const ImageParameters& params);
+TableRecipe recipeOf(int width, int height, const ImageParameters& params,
+                     const ScoreLevels& levels);
+PictureData dataOf(const Picture& picture);
+
+}  // namespace edge_mcl::gpu

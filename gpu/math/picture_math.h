@@ -1,0 +1,329 @@
+/// From a grey image to its edges by direction: the bodies of the kernels, for host and device,
+/// each for one element of what it makes; code_math.h goes on from there. All is whole numbers or
+/// rounded as on the host, so that both make the same bits as edge_mcl::findEdges, EdgeField and
+/// ScoreTable do.
+#pragma once
+
+#include "edge_mcl/gpu/math/sample_math.h"
+
+namespace edge_mcl::gpu {
+
+constexpr int kMostBins = 32;        ///< of directions: a bit each
+constexpr int kMostBlurRadius = 31;  ///< pixels
+constexpr int kClutterCell = 8;      ///< see edge_mcl::EdgeField
+constexpr int kWord = 32;            ///< pixels along a normal as bits of a word
+
+/// Directions of one bin, see edge_mcl::SearchGeometry.
+struct DirectionBin {
+  float du, dv;        ///< unit direction of the model edge in the image
+  int32_t transposed;  ///< its normal is walked column by column
+  int32_t no_edge;     ///< steps that stand for none
+};
+
+/// Sizes and buffers; by value to every kernel.
+struct PictureWork {
+  int32_t width, height, bins, levels, entries, window_cells;
+  int32_t cell_columns, cell_rows, longest;  ///< longest: of width and height
+  int32_t blur_radius, gradient_scale;
+  int32_t blur[kMostBlurRadius + 1];  ///< of 64
+  float sine;                         ///< of the orientation tolerance
+  double edge_share, noise_factor, hysteresis, least_threshold;
+
+  // Of the recipe.
+  const DirectionBin* direction;  ///< bins
+  const int32_t* shift;           ///< (bin, row): columns walked from row 0 to this row
+  const uint8_t* level_codes;     ///< (bin, level, steps)
+  const float* level_borders;     ///< levels - 1
+
+  // Of the picture; all row-major.
+  const uint8_t* grey;
+  const uint8_t* ignore;  ///< null without
+  int16_t* smooth;
+  int16_t *gradient_x, *gradient_y;
+  uint32_t* sampled;   ///< squared magnitudes for the threshold, kIgnoredSample where ignored
+  int32_t* threshold;  ///< weak and strong, squared
+  int32_t* parent;     ///< of candidates for edges: another one they are connected to; else -1
+  uint8_t* strong;     ///< a candidate at the root of a tree: something in it is a strong edge
+  uint32_t* match;     ///< bit b: edge pixel of direction bin b
+  uint32_t* hit;       ///< the same, and where a normal's diagonal step slips between two
+  int32_t* count;      ///< (bin, cell): edge pixels
+  int32_t* usable;     ///< pixels of a cell that are not ignored; only with `ignore`
+  uint8_t* level;      ///< (bin, cell): of the density of edges
+  uint8_t* codes;      ///< (bin, y, x)
+  Quad* quads;
+};
+
+constexpr uint32_t kIgnoredSample = 0xffffffffu;
+
+EDGE_MCL_DEVICE_FUNCTION int clampTo(int value, int size) {
+  return value < 0 ? 0 : (value >= size ? size - 1 : value);
+}
+
+EDGE_MCL_DEVICE_FUNCTION int sampledColumns(const PictureWork& w) { return (w.width + 1) / 3; }
+EDGE_MCL_DEVICE_FUNCTION int sampledRows(const PictureWork& w) { return (w.height + 1) / 3; }
+
+/// Smoothed grey times gradient_scale, rounded half to even. Empties the counts, too.
+EDGE_MCL_DEVICE_FUNCTION void smoothPixel(const PictureWork& w, int x, int y) {
+  const int32_t at = y * w.width + x, pixels = w.width * w.height;
+  const int32_t cells = w.cell_columns * w.cell_rows;
+  for (int32_t i = at; i < w.bins * cells; i += pixels) w.count[i] = 0;
+  if (w.ignore && at < cells) {
+    const int right = w.width - at % w.cell_columns * kClutterCell;
+    const int below = w.height - at / w.cell_columns * kClutterCell;
+    w.usable[at] = (right < kClutterCell ? right : kClutterCell) *
+                   (below < kClutterCell ? below : kClutterCell);
+  }
+  int32_t sum = 0;           // at most 64 * 64 * 255
+  if (w.blur_radius == 2) {  // the default, unrolled
+    const int32_t b0 = w.blur[0], b1 = w.blur[1], b2 = w.blur[2];
+    const int x0 = clampTo(x - 2, w.width), x1 = clampTo(x - 1, w.width);
+    const int x3 = clampTo(x + 1, w.width), x4 = clampTo(x + 2, w.width);
+    const auto row = [&](int dy) {
+      const uint8_t* p = w.grey + clampTo(y + dy, w.height) * w.width;
+      return b0 * p[x] + b1 * (p[x1] + p[x3]) + b2 * (p[x0] + p[x4]);
+    };
+    sum = b0 * row(0) + b1 * (row(-1) + row(1)) + b2 * (row(-2) + row(2));
+  } else {
+    for (int dy = -w.blur_radius; dy <= w.blur_radius; ++dy) {
+      const uint8_t* row = w.grey + clampTo(y + dy, w.height) * w.width;
+      int32_t of_row = 0;
+      for (int dx = -w.blur_radius; dx <= w.blur_radius; ++dx)
+        of_row += w.blur[dx < 0 ? -dx : dx] * row[clampTo(x + dx, w.width)];
+      sum += w.blur[dy < 0 ? -dy : dy] * of_row;
+    }
+  }
+  const int32_t exact = sum * w.gradient_scale;  // in 1/4096
+  const int32_t whole = exact >> 12, rest = exact & 4095;
+  const bool up = rest > 2048 || (rest == 2048 && (whole & 1));
+  w.smooth[at] = static_cast<int16_t>(whole + up);
+}
+
+/// Scharr's operator, and the sub-sample of magnitudes.
+EDGE_MCL_DEVICE_FUNCTION void gradientOfPixel(const PictureWork& w, int x, int y) {
+  const int left = clampTo(x - 1, w.width), right = clampTo(x + 1, w.width);
+  const int16_t* above = w.smooth + static_cast<int64_t>(clampTo(y - 1, w.height)) * w.width;
+  const int16_t* here = w.smooth + static_cast<int64_t>(y) * w.width;
+  const int16_t* below = w.smooth + static_cast<int64_t>(clampTo(y + 1, w.height)) * w.width;
+  const int gx = 3 * (above[right] - above[left]) + 10 * (here[right] - here[left]) +
+                 3 * (below[right] - below[left]);
+  const int gy = 3 * (below[left] - above[left]) + 10 * (below[x] - above[x]) +
+                 3 * (below[right] - above[right]);
+  const int64_t at = static_cast<int64_t>(y) * w.width + x;
+  w.gradient_x[at] = static_cast<int16_t>(gx);
+  w.gradient_y[at] = static_cast<int16_t>(gy);
+  if (x % 3 == 1 && y % 3 == 1)
+    w.sampled[static_cast<int64_t>(y / 3) * sampledColumns(w) + x / 3] =
+        w.ignore && w.ignore[at] ? kIgnoredSample : static_cast<uint32_t>(gx * gx + gy * gy);
+}
+
+/// Numbers of the two order statistics of `count` squared magnitudes that the thresholds follow.
+struct QuantileRanks {
+  uint32_t noise, edges;
+};
+EDGE_MCL_DEVICE_FUNCTION QuantileRanks quantileRanks(const PictureWork& w, uint32_t count) {
+  const double last = static_cast<double>(count) - 1;
+  return {static_cast<uint32_t>(0.25 * last), static_cast<uint32_t>((1 - w.edge_share) * last)};
+}
+
+/// @param noise, edges the squared magnitudes of those ranks. @param count 0: all is ignored.
+EDGE_MCL_DEVICE_FUNCTION void setThresholds(const PictureWork& w, uint32_t count, uint32_t noise,
+                                            uint32_t edges) {
+  double strong = w.least_threshold;
+  if (count > 0) {
+    const double of_noise = w.noise_factor * (sqrt(static_cast<double>(noise)) / 0.759);
+    const double of_edges = sqrt(static_cast<double>(edges));
+    strong = fmax(fmax(strong, of_edges), of_noise);
+  }
+  // As cv::Canny squares them.
+  const double high = fmin(32767.0, strong), low = fmin(32767.0, w.hysteresis * strong);
+  w.threshold[0] = static_cast<int32_t>(floor(low * low));
+  w.threshold[1] = static_cast<int32_t>(floor(high * high));
+}
+
+EDGE_MCL_DEVICE_FUNCTION int32_t squareAt(const PictureWork& w, int x, int y) {
+  if (x < 0 || y < 0 || x >= w.width || y >= w.height) return 0;
+  const int64_t at = static_cast<int64_t>(y) * w.width + x;
+  return w.gradient_x[at] * w.gradient_x[at] + w.gradient_y[at] * w.gradient_y[at];
+}
+
+/// Thinning of edges as cv::Canny does it: largest along the gradient, which is rounded to one of
+/// four directions (22.5 degrees in fixed point).
+EDGE_MCL_DEVICE_FUNCTION bool isRidge(const PictureWork& w, int x, int y, int32_t square) {
+  const int64_t at = static_cast<int64_t>(y) * w.width + x;
+  const int32_t gx = w.gradient_x[at], gy = w.gradient_y[at];
+  const auto ax = static_cast<uint32_t>(gx < 0 ? -gx : gx);
+  const auto ay = static_cast<uint32_t>(gy < 0 ? -gy : gy) << 15;
+  const uint32_t flat = ax * 13573u;
+  if (ay < flat) return square > squareAt(w, x - 1, y) && square >= squareAt(w, x + 1, y);
+  // It is signed there, and wraps around.
+  if (static_cast<int32_t>(ay) > static_cast<int32_t>(flat + (ax << 16)))
+    return square > squareAt(w, x, y - 1) && square >= squareAt(w, x, y + 1);
+  const int side = (gx ^ gy) < 0 ? -1 : 1;
+  return square > squareAt(w, x - side, y - 1) && square > squareAt(w, x + side, y + 1);
+}
+
+EDGE_MCL_DEVICE_FUNCTION bool isCandidate(const PictureWork& w, int x, int y) {
+  const int32_t square = squareAt(w, x, y);
+  return square > w.threshold[0] && isRidge(w, x, y, square);
+}
+
+EDGE_MCL_DEVICE_FUNCTION int32_t lowerTo(int32_t* at, int32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicMin(at, value);
+#else
+  const int32_t before = *at;
+  if (value < before) *at = value;
+  return before;
+#endif
+}
+
+EDGE_MCL_DEVICE_FUNCTION void addTo(int32_t* at, int32_t value) {
+#if defined(__CUDA_ARCH__)
+  atomicAdd(at, value);
+#else
+  *at += value;
+#endif
+}
+
+EDGE_MCL_DEVICE_FUNCTION int leadingZeros(uint32_t value) {  // value is not 0
+#if defined(__CUDA_ARCH__)
+  return __clz(static_cast<int>(value));
+#else
+  return __builtin_clz(value);
+#endif
+}
+
+EDGE_MCL_DEVICE_FUNCTION int trailingZeros(uint32_t value) {  // value is not 0
+#if defined(__CUDA_ARCH__)
+  return __ffs(static_cast<int>(value)) - 1;
+#else
+  return __builtin_ctz(value);
+#endif
+}
+
+/// Shortens the way for those who come after: every pixel passed is hung up one higher. Threads
+/// that do so at the same time cannot break a tree, as a pixel's ancestors stay its ancestors.
+EDGE_MCL_DEVICE_FUNCTION int32_t rootOf(int32_t* parent, int32_t i) {
+  int32_t next = parent[i];
+  while (next != i) {
+    const int32_t after = parent[next];
+    if (after != next) parent[i] = after;
+    i = next;
+    next = after;
+  }
+  return i;
+}
+
+/// Joins two trees; the smaller number becomes the root, whatever the order of the calls.
+EDGE_MCL_DEVICE_FUNCTION void unite(int32_t* parent, int32_t a, int32_t b) {
+  while (true) {
+    a = rootOf(parent, a);
+    b = rootOf(parent, b);
+    if (a == b) return;
+    if (a < b) {
+      const int32_t swapped = a;
+      a = b;
+      b = swapped;
+    }
+    const int32_t before = lowerTo(parent + a, b);
+    if (before == a) return;
+    a = before;  // another thread was faster
+  }
+}
+
+/// Connects a candidate to those of its neighbours before it that lie in rows from y0 and columns
+/// from x0 to x1. @param at the pixel's number in `parent`, where rows have `stride` elements.
+EDGE_MCL_DEVICE_FUNCTION void connectPixel(int32_t* parent, int32_t at, int32_t stride, int x,
+                                           int y, int x0, int x1, int y0) {
+  if (parent[at] < 0) return;
+  if (x > x0 && parent[at - 1] >= 0) unite(parent, at, at - 1);
+  if (y <= y0) return;
+  for (int dx = x > x0 ? -1 : 0; dx <= 1 && x + dx <= x1; ++dx)
+    if (parent[at - stride + dx] >= 0) unite(parent, at, at - stride + dx);
+}
+
+/// A strong pixel makes edges of all that it is connected to.
+EDGE_MCL_DEVICE_FUNCTION void markStrong(const PictureWork& w, int x, int y) {
+  const int32_t at = y * w.width + x;
+  if (w.parent[at] >= 0 && squareAt(w, x, y) > w.threshold[1]) w.strong[rootOf(w.parent, at)] = 1;
+}
+
+/// The direction bins that an edge pixel matches, counted by cells.
+EDGE_MCL_DEVICE_FUNCTION void matchPixel(const PictureWork& w, int x, int y) {
+  const int32_t at = y * w.width + x;
+  const int32_t cells = w.cell_columns * w.cell_rows;
+  const int32_t cell = y / kClutterCell * w.cell_columns + x / kClutterCell;
+  const bool ignored = w.ignore && w.ignore[at];
+  if (ignored) addTo(w.usable + cell, -1);
+  uint32_t bits = 0;
+  if (w.parent[at] >= 0 && !ignored && w.strong[rootOf(w.parent, at)]) {
+    const double gx = w.gradient_x[at], gy = w.gradient_y[at];
+    const double norm = sqrt(gx * gx + gy * gy);
+    const auto nx = static_cast<float>(gx / norm), ny = static_cast<float>(gy / norm);
+    for (int b = 0; b < w.bins; ++b) {
+      const DirectionBin& bin = w.direction[b];
+      if (!(fabsf(nx * bin.du + ny * bin.dv) <= w.sine)) continue;
+      bits |= 1u << b;
+      addTo(w.count + b * cells + cell, 1);
+    }
+  }
+  w.match[at] = bits;
+}
+
+/// Adds, for every bin, the pixels where a diagonal step of the walk slips between two diagonally
+/// connected edge pixels.
+EDGE_MCL_DEVICE_FUNCTION void slipPixel(const PictureWork& w, int x, int y) {
+  const int32_t at = y * w.width + x;
+  const uint32_t here = w.match[at];
+  uint32_t bits = here;
+  // Both pixels that it slips between lie beside this one: left or right, and above or below.
+  const uint32_t left = x > 0 ? w.match[at - 1] : 0, right = x + 1 < w.width ? w.match[at + 1] : 0;
+  const uint32_t above = y > 0 ? w.match[at - w.width] : 0;
+  const uint32_t below = y + 1 < w.height ? w.match[at + w.width] : 0;
+  if ((left | right) & (above | below)) {
+    for (int b = 0; b < w.bins; ++b) {
+      const bool turned = w.direction[b].transposed;
+      const int row = turned ? x : y;
+      if (row == 0) continue;
+      const int32_t* shift = w.shift + static_cast<int64_t>(b) * w.longest + row;
+      const int step = shift[0] - shift[-1];
+      if (step == 0) continue;
+      const uint32_t before = turned ? left : above;  // the row before, the same column
+      const uint32_t beside =                         // the same row, column - step
+          turned ? (step > 0 ? above : below) : (step > 0 ? left : right);
+      bits |= before & beside & (1u << b);
+    }
+  }
+  w.hit[at] = bits;
+}
+
+/// Level of the density of edges around a cell, see edge_mcl::EdgeField::clutter.
+EDGE_MCL_DEVICE_FUNCTION void levelOfCell(const PictureWork& w, int bin, int column, int row) {
+  const int half = w.window_cells / 2, cells = w.cell_columns * w.cell_rows;
+  const int32_t* count = w.count + bin * cells;
+  const int c0 = column > half ? column - half : 0, r0 = row > half ? row - half : 0;
+  const int c1 = column + half < w.cell_columns ? column + half + 1 : w.cell_columns;
+  const int r1 = row + half < w.cell_rows ? row + half + 1 : w.cell_rows;
+  int32_t edges = 0, pixels = 0;
+  for (int r = r0; r < r1; ++r) {
+#if defined(__CUDA_ARCH__)
+#pragma unroll 4
+#endif
+    for (int c = c0; c < c1; ++c) edges += count[r * w.cell_columns + c];
+  }
+  if (w.ignore) {
+    for (int r = r0; r < r1; ++r)
+      for (int c = c0; c < c1; ++c) pixels += w.usable[r * w.cell_columns + c];
+  } else {
+    const int right = c1 * kClutterCell, bottom = r1 * kClutterCell;
+    pixels = ((right < w.width ? right : w.width) - c0 * kClutterCell) *
+             ((bottom < w.height ? bottom : w.height) - r0 * kClutterCell);
+  }
+  const float size = fmaxf(static_cast<float>(pixels), 1.0f);
+  const float clutter = fmaxf(0.0f, static_cast<float>(edges) / size - 1 / sqrtf(size));
+  int level = 0;
+  while (level < w.levels - 1 && !(clutter < w.level_borders[level])) ++level;
+  w.level[bin * cells + row * w.cell_columns + column] = static_cast<uint8_t>(level);
+}
+
+}  // namespace edge_mcl::gpu

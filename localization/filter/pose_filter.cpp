@@ -1,0 +1,393 @@
+#include "edge_mcl/localization/filter/pose_filter.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/filter/mode_proposal.h"
+#include "edge_mcl/localization/filter/motion_noise.h"
+#include "edge_mcl/localization/filter/resampling.h"
+
+namespace edge_mcl {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+PoseFilter::PoseFilter(FilterParameters filter, RefinementParameters refinement)
+    : params_(filter), refinement_(refinement), random_(filter.seed) {}
+
+void PoseFilter::initialize(const PoseGaussian& gaussian) {
+  if (!isValid(gaussian.mean) || !gaussian.covariance.allFinite())
+    throw InputError("filter: the initial pose is not a finite pose with a finite covariance");
+  const GaussianDensity density(gaussian);
+  poses_.resize(params_.particles);
+  for (Pose& pose : poses_) pose = density.draw(&random_);
+  log_weights_.assign(poses_.size(), 0);
+  estimate_ = gaussian;
+  last_estimate_.reset();
+  since_last_estimate_ = 0;
+  velocity_.setZero();
+  noise_variance_.setZero();
+  depth_biases_.clear();  // learnt at a pose that was perhaps wrong
+  edges_fit_ = depth_fit_ = RecoveryAverages();
+}
+
+void PoseFilter::initialize(const Pose& mean, double std_position, double std_angle) {
+  PoseGaussian gaussian;
+  gaussian.mean = mean;
+  gaussian.covariance.diagonal().head<3>().setConstant(std_position * std_position);
+  gaussian.covariance.diagonal().tail<3>().setConstant(std_angle * std_angle);
+  initialize(gaussian);
+}
+
+void PoseFilter::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
+  if (poses.empty() || poses.size() != log_weights.size())
+    throw Error("filter: no particles, or a different number of weights");
+  for (size_t i = 0; i < poses.size(); ++i)
+    if (!isValid(poses[i]) || std::isnan(log_weights[i]))
+      throw InputError("filter: particle " + std::to_string(i) + " is not a finite pose");
+  poses_ = std::move(poses);
+  log_weights_ = std::move(log_weights);
+  estimate_ = meanAndCovariance(poses_, normalizedWeights());
+  last_estimate_.reset();
+  velocity_.setZero();
+  depth_biases_.clear();
+  edges_fit_ = depth_fit_ = RecoveryAverages();
+}
+
+std::vector<double> PoseFilter::normalizedWeights() const { return normalize(log_weights_); }
+
+void PoseFilter::resampleIfNeeded() {
+  // Particles drawn from the mixture proposal need equal weights before them.
+  const bool always = refinement_.enabled && params_.refined_share > 0;
+  const std::vector<double> weights = normalizedWeights();
+  const double ess = effectiveSampleSize(weights);
+  const auto n = static_cast<double>(poses_.size());
+  if (ess > n - 1e-6 && poses_.size() == static_cast<size_t>(params_.particles)) return;
+  if (!always && ess >= params_.resample_threshold * n) return;
+  std::vector<Pose> drawn;
+  drawn.reserve(params_.particles);
+  for (uint32_t i : systematicResample(weights, params_.particles, random_.uniform()))
+    drawn.push_back(poses_[i]);
+  poses_ = std::move(drawn);
+  log_weights_.assign(poses_.size(), 0);
+}
+
+void PoseFilter::addNoise(const Twist& scale) {
+  for (Pose& pose : poses_)
+    pose = normalized(pose * expSe3(scale.cwiseProduct(random_.normalTwist())));
+  noise_variance_ += scale.cwiseAbs2();
+}
+
+void PoseFilter::moveEstimate(const Pose& increment, const Twist& noise_before) {
+  const Matrix6 to_new_axes = adjoint(increment.inverse());
+  estimate_.mean = normalized(estimate_.mean * increment);
+  estimate_.covariance = to_new_axes * estimate_.covariance * to_new_axes.transpose();
+  estimate_.covariance.diagonal() += noise_variance_ - noise_before;
+}
+
+void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
+  if (!isValid(increment) || !std::isfinite(dt) || dt < 0)
+    throw InputError("filter: the odometry increment is not a finite pose over a positive time");
+  resampleIfNeeded();
+  const Twist noise_before = noise_variance_;
+  for (Pose& pose : poses_) pose = pose * increment;
+  addNoise(odometryNoise(params_, increment, dt));
+  moveEstimate(increment, noise_before);
+  since_last_estimate_ += dt;
+}
+
+void PoseFilter::predictWithoutOdometry(double dt, std::optional<double> elapsed) {
+  if (!std::isfinite(dt) || dt < 0) throw InputError("filter: the time step is not positive");
+  resampleIfNeeded();
+  const Pose increment = expSe3(velocity_ * dt);
+  const Twist noise_before = noise_variance_;
+  for (Pose& pose : poses_) pose = pose * increment;
+  addNoise(walkNoise(params_, dt));
+  moveEstimate(increment, noise_before);
+  since_last_estimate_ += elapsed.value_or(dt);
+}
+
+bool PoseFilter::correctTilt(const UpReading& reading) {
+  if (!reading.up_base.allFinite() || reading.up_base.norm() < 0.5 || !(reading.sigma > 0))
+    throw InputError("filter: the reading of the vertical is not a direction");
+  if (!edge_mcl::correctTilt(reading, normalizedWeights(), &random_, &poses_)) return false;
+  estimate_ = edge_mcl::correctTilt(reading, estimate_);
+  return true;
+}
+
+void PoseFilter::trackVelocity() {
+  // Over less, the estimates' noise would be all of it.
+  constexpr double kShortest = 0.005;  // s
+  if (last_estimate_ && since_last_estimate_ < kShortest) return;
+  if (last_estimate_) {
+    // While the filter converges its estimates jump; what they say of the velocity is then worth
+    // little against what was known before.
+    constexpr double kUsualSpeed = 1, kUsualTurn = 1;  // m/s, rad/s; standard deviations
+    const Twist newest =
+        logSe3(last_estimate_->mean.inverse() * estimate_.mean) / since_last_estimate_;
+    for (int i = 0; i < 6; ++i) {
+      const double known = square(i < 3 ? kUsualSpeed : kUsualTurn);
+      const double noise = (last_estimate_->covariance(i, i) + estimate_.covariance(i, i)) /
+                           square(since_last_estimate_);
+      velocity_[i] +=
+          params_.velocity_smoothing * known / (known + noise) * (newest[i] - velocity_[i]);
+    }
+  }
+  last_estimate_ = estimate_;
+  since_last_estimate_ = 0;
+}
+
+namespace {
+
+/// Every so many-th index: neighbours stem from one ancestor, so this takes the same share from
+/// each.
+bool isInEvenShare(size_t i, double share) {
+  return std::floor(share * static_cast<double>(i + 1)) >
+         std::floor(share * static_cast<double>(i));
+}
+
+std::vector<size_t> evenShare(size_t n, double share) {
+  std::vector<size_t> chosen;
+  for (size_t i = 0; i < n; ++i)
+    if (isInEvenShare(i, share)) chosen.push_back(i);
+  return chosen;
+}
+
+}  // namespace
+
+double PoseFilter::shareToInject() const {
+  // Motion as expected keeps its say, however bad the images.
+  constexpr double kMost = 0.5;
+  return std::min(std::max(edges_fit_.shareToInject(), depth_fit_.shareToInject()), kMost);
+}
+
+void PoseFilter::drawTails(const PredictiveDensity& predictive, double share) {
+  // The same share of those that are redrawn later as of those that are not, or the latter would
+  // hold more tails than their density says.
+  std::vector<size_t> kept, redrawn;
+  for (size_t i = 0; i < poses_.size(); ++i)
+    (refinement_.enabled && isInEvenShare(i, params_.refined_share) ? redrawn : kept).push_back(i);
+  for (const std::vector<size_t>* part : {&kept, &redrawn})
+    for (const size_t k : evenShare(part->size(), share))
+      poses_[(*part)[k]] = predictive.drawTail(&random_);
+}
+
+void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
+                       const std::vector<CameraView>& thinned, const PredictiveDensity& predictive,
+                       double remaining_exponent, UpdateReport* report) {
+  const size_t n = poses_.size();
+  auto start = Clock::now();
+  std::vector<PoseScore> scores = map.evaluate(thinned, poses_);
+  report->likelihood_ms += millisecondsSince(start);
+
+  std::vector<double> log_ratio(n, 0);  // log p/q
+  const double share = params_.refined_share;
+  if (refinement_.enabled && share > 0) {
+    start = Clock::now();
+    const ModeProposal modes(map, views, poses_, scores, predictive, refinement_.starts);
+    report->refinement_ms += millisecondsSince(start);
+    report->refined_modes = static_cast<int>(modes.size());
+    if (!modes.empty()) {
+      const std::vector<size_t> redrawn = evenShare(n, share);
+      std::vector<Pose> fresh;
+      for (size_t k = 0; k < redrawn.size(); ++k)
+        fresh.push_back(modes.mode(k % modes.size()).draw(&random_));
+      start = Clock::now();
+      const std::vector<PoseScore> fresh_scores = map.evaluate(thinned, fresh);
+      report->likelihood_ms += millisecondsSince(start);
+      for (size_t k = 0; k < redrawn.size(); ++k) {
+        poses_[redrawn[k]] = fresh[k];
+        scores[redrawn[k]] = fresh_scores[k];
+      }
+      tbb::parallel_for(size_t{0}, n, [&](size_t i) {
+        // q = (1 - share) p + share m, hence p/q = 1 / (1 - share + share m/p).
+        const double m_over_p = modes.log(poses_[i]) - predictive.log(poses_[i]);
+        log_ratio[i] = m_over_p > 300 ? -m_over_p - std::log(share)
+                                      : -std::log(1 - share + share * std::exp(m_over_p));
+      });
+    }
+  }
+  std::vector<double> fixed(n), likelihood(n);
+  for (size_t i = 0; i < n; ++i) {
+    report->has_information |= scores[i].sample_weight > 0 || scores[i].depth_points > 0;
+    fixed[i] = log_weights_[i] + log_ratio[i];
+    likelihood[i] = remaining_exponent * scores[i].log_likelihood;
+  }
+  const double exponent = temperingExponent(fixed, likelihood, params_.ess_floor);
+  report->tempering += exponent * remaining_exponent;
+  for (size_t i = 0; i < n; ++i) log_weights_[i] = fixed[i] + exponent * likelihood[i];
+}
+
+bool PoseFilter::spreadBeyondNormals(const LocalizationMap& map,
+                                     const std::vector<CameraView>& views,
+                                     const PoseGaussian& cloud) const {
+  const double angle = std::sqrt(cloud.covariance.diagonal().tail<3>().mean());
+  const double position = std::sqrt(cloud.covariance.diagonal().head<3>().mean());
+  for (const CameraView& view : views) {
+    if (view.depth && map.usesDepth() &&
+        std::hypot(position, angle * view.depth->mean_depth) > map.params().depth.truncation / 3)
+      return true;
+    if (!view.image) continue;
+    const CameraModel& camera = view.image->frame.camera;
+    const Pose camera_pose = cloud.mean * view.T_base_camera;
+    const auto set = map.visibility().cached(map.visibility().cellOf(camera_pose.translation()));
+    std::vector<double> depths;
+    for (const VisibleSet::Segment& s : set->segments) {
+      Eigen::Vector2d pixel;
+      const Eigen::Vector3d p = camera_pose.inverse() * set->edgeSegment(s).centre.cast<double>();
+      if (camera.project(p, &pixel) && camera.contains(pixel)) depths.push_back(p.z());
+    }
+    if (depths.empty()) continue;
+    const auto middle = depths.begin() + static_cast<long>(depths.size() / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    const double pixels = camera.fx * std::hypot(angle, position / *middle);
+    if (pixels > refinement_.search_length / 2) return true;
+  }
+  return false;
+}
+
+void PoseFilter::spreadCopies(const PoseGaussian& cloud) {
+  // Kernel with shrinkage, which keeps mean and covariance: J. Liu, M. West, "Combined parameter
+  // and state estimation in simulation-based filtering", 2001.
+  constexpr double kBandwidth = 0.3;
+  const double shrink = std::sqrt(1 - kBandwidth * kBandwidth);
+  const GaussianDensity kernel({Pose::Identity(), kBandwidth * kBandwidth * cloud.covariance});
+  const Pose inverse = cloud.mean.inverse();
+  for (Pose& pose : poses_)
+    pose = normalized(cloud.mean * expSe3(shrink * logSe3(inverse * pose)) * kernel.draw(&random_));
+}
+
+PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
+                                      const std::vector<CameraView>& views,
+                                      const PoseGaussian& cloud,
+                                      const PredictiveDensity& predictive, UpdateReport* report) {
+  const auto start = Clock::now();
+  RefinementResult sharp;
+  sharp.pose = cloud.mean;
+  if (refinement_.enabled)
+    sharp = map.refine(views, cloud.mean, predictive.componentOf(cloud.mean));
+  const std::vector<PoseScore> compared = map.evaluate(views, {cloud.mean, sharp.pose});
+  const bool is_better =
+      refinement_.enabled && compared[1].log_likelihood + predictive.log(sharp.pose) >=
+                                 compared[0].log_likelihood + predictive.log(cloud.mean);
+  if (!is_better) sharp = map.match(views, cloud.mean);
+  report->refinement_ms += millisecondsSince(start);
+  report->matched_samples = sharp.matched_samples;
+  report->used_samples = sharp.used_samples;
+  if (!is_better) return compared[0];
+  // The cloud's spread, seen from the refined pose: tempering makes it a cautious figure.
+  const Twist shift = logSe3(sharp.pose.inverse() * cloud.mean);
+  estimate_.mean = sharp.pose;
+  estimate_.covariance = cloud.covariance + shift * shift.transpose();
+  return compared[1];
+}
+
+std::vector<CameraView> PoseFilter::withoutBias(const LocalizationMap& map,
+                                                std::vector<CameraView> views) {
+  const double sigma = map.params().depth.bias_sigma;
+  for (CameraView& view : views) {
+    if (!view.depth || !map.usesDepth()) continue;
+    const DepthBias& bias =
+        depth_biases_.emplace(view.depth_sensor, DepthBias{0, sigma * sigma}).first->second;
+    view.depth = std::make_shared<DepthPoints>(edge_mcl::withoutBias(*view.depth, bias));
+  }
+  return views;
+}
+
+void PoseFilter::learnBias(const LocalizationMap& map, const std::vector<CameraView>& views,
+                           UpdateReport* report) {
+  constexpr double kTrusted = 0.5;  // share of the points on the model
+  // Images of one scene err alike: the bias is never taken as known better than so, times its
+  // prior spread.
+  constexpr double kLeastShare = 0.15;
+  constexpr double kFarthest = 3;  // prior standard deviations
+  const double sigma = map.params().depth.bias_sigma;
+  for (const CameraView& view : views) {
+    if (!view.depth || !map.usesDepth()) continue;
+    DepthBias& bias = depth_biases_[view.depth_sensor];
+    report->depth_bias = bias.mean;
+    if (report->depth_agreement < kTrusted) continue;
+    const Matrix6 to_camera = adjoint(view.T_base_camera.inverse());
+    const DepthBias rest =
+        map.depth()->remainingBias(*view.depth, estimate_.mean * view.T_base_camera,
+                                   to_camera * estimate_.covariance * to_camera.transpose());
+    const double least = kLeastShare * sigma;
+    bias.mean = std::clamp(bias.mean + rest.mean, -kFarthest * sigma, kFarthest * sigma);
+    bias.variance = std::min(bias.variance, std::max(rest.variance, least * least));
+    report->depth_bias = bias.mean;
+  }
+}
+
+UpdateReport PoseFilter::update(const LocalizationMap& map,
+                                const std::vector<CameraView>& raw_views) {
+  const auto begin = Clock::now();
+  UpdateReport report;
+  const std::vector<CameraView> views = withoutBias(map, raw_views);
+  // The particles are weighed by a share of the samples, single poses by all.
+  std::vector<CameraView> thinned = views;
+  for (CameraView& view : thinned)
+    view.thinning = map.thinningFor(view, estimate_.mean,
+                                    static_cast<size_t>(map.params().likelihood.max_samples));
+  std::optional<PredictiveDensity> predictive;
+  report.injected_share = shareToInject();
+  Twist injected = Twist::Zero();  // variance
+  if (report.injected_share > 0)
+    injected << Eigen::Vector3d::Constant(square(params_.recovery_std_position)),
+        Eigen::Vector3d::Constant(square(params_.recovery_std_angle_deg * M_PI / 180));
+  for (int pass = 0; pass < params_.max_passes; ++pass) {
+    // What motion can surprise with: its noise, `tail_scale` times wider.
+    const bool usual_tails = refinement_.enabled && !noise_variance_.isZero();
+    const double tails = std::max(usual_tails ? params_.tail_share : 0, report.injected_share);
+    const Matrix6 extra =
+        Twist((square(params_.tail_scale) - 1) * noise_variance_ + injected).asDiagonal();
+    const PredictiveDensity before(meanAndCovariance(poses_, normalizedWeights()), tails, extra);
+    noise_variance_.setZero();
+    injected.setZero();
+    if (pass == 0) predictive.emplace(before);
+    if (tails > 0) drawTails(before, tails);
+    weigh(map, views, thinned, before, 1 - report.tempering, &report);
+    ++report.passes;
+    const std::vector<double> weights = normalizedWeights();
+    report.effective_sample_size = effectiveSampleSize(weights);
+    estimate_ = meanAndCovariance(poses_, weights);
+    const bool again = pass + 1 < params_.max_passes && report.tempering < 1 &&
+                       report.has_information && spreadBeyondNormals(map, views, before.core());
+    if (!again) break;
+    resampleIfNeeded();
+    spreadCopies(estimate_);
+  }
+  const PoseScore at_estimate =
+      report.has_information
+          ? sharpenEstimate(map, views, PoseGaussian(estimate_), *predictive, &report)
+          : map.evaluate(views, {estimate_.mean}).front();
+  report.log_likelihood = at_estimate.log_likelihood;
+  report.visible_samples = at_estimate.sample_weight;
+  report.visible_lines = at_estimate.line_count;
+  report.evidence_per_line = at_estimate.scorePerLine();
+  report.depth_points = static_cast<int>(at_estimate.depth_points);
+  if (at_estimate.depth_points > 0)
+    report.depth_agreement =
+        static_cast<double>(at_estimate.depth_points_on_model / at_estimate.depth_points);
+  if (report.visible_lines > 0) edges_fit_.add(report.evidence_per_line, params_);
+  if (report.depth_points > 0) depth_fit_.add(report.depth_agreement, params_);
+  if (report.has_information) {
+    learnBias(map, views, &report);
+    trackVelocity();
+  }
+  report.total_ms = millisecondsSince(begin);
+  return report;
+}
+
+}  // namespace edge_mcl

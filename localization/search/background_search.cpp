@@ -1,0 +1,142 @@
+#include "edge_mcl/localization/search/background_search.h"
+
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "edge_mcl/localization/search/global_localizer.h"
+
+namespace edge_mcl {
+
+namespace {
+
+/// Some three seconds of flight by odometry, after which one image that fits is not enough after a
+/// darkness, either.
+bool isFarByOdometry(const Twist& variance, double blind) {
+  constexpr double kPosition = 0.05, kAngle = 1.5 * M_PI / 180, kBlind = 0.3;  // m, rad, s
+  const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
+  return sigma.head<3>().maxCoeff() > kPosition || sigma.tail<3>().maxCoeff() > kAngle ||
+         blind > kBlind;
+}
+
+}  // namespace
+
+BackgroundSearch::BackgroundSearch(const LocalizationMap& map, uint64_t seed)
+    : map_(map), seed_(seed), thread_([this] { run(); }) {}
+
+BackgroundSearch::~BackgroundSearch() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void BackgroundSearch::begin() { beginWith({}); }
+
+void BackgroundSearch::begin(const PoseGaussian& guess, bool only_there) {
+  beginWith({guess, only_there});
+}
+
+void BackgroundSearch::beginWith(Begin begin) {
+  since_begin_ = {};
+  since_view_ = {};
+  has_view_ = false;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  begin_ = std::move(begin);
+  waiting_.clear();
+  reported_.reset();
+  is_news_ = false;
+  failure_ = nullptr;
+}
+
+void BackgroundSearch::move(const BaseMotion& motion) {
+  since_begin_.add(motion);
+  since_view_.add(motion);
+}
+
+void BackgroundSearch::offer(const std::vector<CameraView>& views,
+                             const std::optional<UpReading>& up) {
+  if (has_view_ && !since_view_.isNewView(map_.params().search)) return;
+  // Older ones are given up; what remains is still less far apart than if all but one were.
+  constexpr size_t kMostWaiting = 3;
+  if (waiting_.size() >= kMostWaiting) {
+    BaseMotion both = waiting_[0].before;
+    both.add(waiting_[1].before);
+    waiting_[1].before = both;
+    waiting_.pop_front();
+  }
+  waiting_.push_back({since_view_, views, up, since_begin_});
+  since_view_ = {};
+  has_view_ = true;
+}
+
+SearchReport BackgroundSearch::process(const std::vector<CameraView>& views,
+                                       const std::optional<UpReading>& up) {
+  SearchReport report;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    offer(views, up);
+    if (reported_) report = carriedToNow(*reported_);
+    report.keyframe = std::exchange(is_news_, false);
+  }
+  wake_.notify_one();
+  if (!report.keyframe) report.total_ms = 0;
+  return report;
+}
+
+SearchReport BackgroundSearch::carriedToNow(const Report& then) const {
+  const Pose motion = then.since_begin.step.inverse() * since_begin_.step;
+  const Twist variance = since_begin_.variance - then.since_begin.variance;
+  SearchReport now = then.report;
+  const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
+  now.stale =
+      then.over_gap || isFarByOdometry(variance, since_begin_.blind - then.since_begin.blind);
+  now.estimate = moved(now.estimate, motion, sigma);
+  for (PoseCluster& cluster : now.clusters) cluster.pose = normalized(cluster.pose * motion);
+  return now;
+}
+
+void BackgroundSearch::run() {
+  std::optional<GlobalLocalizer> search;  // made here, as that takes a while
+  tbb::task_arena arena(std::max(1, tbb::info::default_concurrency() / 2));
+  bool over_gap = false;
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    wake_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
+    if (stop_) return;
+    const std::optional<Begin> begin = std::exchange(begin_, std::nullopt);
+    const View view = std::move(waiting_.front());
+    waiting_.pop_front();
+    const bool is_newest = waiting_.empty();
+    over_gap = !begin && (over_gap || isFarByOdometry(view.before.variance, view.before.blind));
+    lock.unlock();
+    SearchReport report;
+    std::exception_ptr failure;
+    try {
+      arena.execute([&] {
+        if (!search) search.emplace(map_, seed_);
+        if (begin && begin->guess)
+          search->begin(*begin->guess, begin->only_there);
+        else if (begin)
+          search->begin();
+        search->move(view.before);
+        report = search->process(view.views, view.up, is_newest);
+      });
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    if (begin_) continue;  // nobody asks for this any more
+    failure_ = failure;
+    if (failure || !report.keyframe) continue;
+    reported_ = {std::move(report), view.since_begin, over_gap};
+    is_news_ = true;
+  }
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,393 @@
+#include "edge_mcl/localization/search/global_localizer.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "edge_mcl/localization/filter/motion_noise.h"
+#include "edge_mcl/localization/filter/resampling.h"
+
+namespace edge_mcl {
+
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+// Hypotheses closer than this are the same place.
+constexpr double kSamePlace = 0.5, kSameHeading = 15 * kDegree;
+// Roll and pitch that are less certain say no more than a search can find.
+constexpr double kUselessTilt = 10 * kDegree;
+
+/// Roll and pitch as they were when it was lost: what carries a camera about seldom tilts it much.
+std::optional<UpReading> tiltOf(const PoseGaussian& lost) {
+  constexpr double kAtLeast = 5 * kDegree;
+  UpReading up;
+  up.up_base = lost.mean.linear().transpose() * Eigen::Vector3d::UnitZ();
+  const Eigen::Matrix3d rotation = lost.covariance.bottomRightCorner<3, 3>();
+  const double about_up = up.up_base.dot(rotation * up.up_base);
+  up.sigma = std::max(kAtLeast, std::sqrt(std::max(0.0, rotation.trace() - about_up) / 2));
+  if (!(up.sigma <= kUselessTilt)) return std::nullopt;
+  return up;
+}
+
+}  // namespace
+
+GlobalLocalizer::GlobalLocalizer(const LocalizationMap& map, uint64_t seed)
+    : map_(map), search_(map), random_(seed) {}
+
+void GlobalLocalizer::begin() {
+  keyframes_.clear();
+  keyframe_count_ = look_count_ = 0;
+  hypotheses_.clear();
+  guess_.reset();
+  only_guess_ = false;
+  up_.reset();
+  tilt_is_assumed_ = false;
+  since_ = {};
+  report_ = {};
+}
+
+void GlobalLocalizer::begin(const PoseGaussian& guess, bool only_there) {
+  begin();
+  guess_ = guess;
+  only_guess_ = only_there;
+  up_ = tiltOf(guess);
+  tilt_is_assumed_ = true;
+}
+
+void GlobalLocalizer::move(const BaseMotion& motion) {
+  since_.add(motion);
+  const Twist sigma = motion.variance.cwiseSqrt();
+  if (up_) {
+    up_->up_base = motion.step.linear().transpose() * up_->up_base;
+    up_->sigma = std::hypot(up_->sigma, sigma[3]);
+    if (up_->sigma > kUselessTilt) up_.reset();
+  }
+  if (guess_) guess_ = moved(*guess_, motion.step, sigma);
+}
+
+PoseGaussian GlobalLocalizer::predicted(const FoundPose& before, const Pose& motion,
+                                        const Twist& variance) {
+  // A refined pose is itself at least this uncertain.
+  constexpr double kPosition = 0.02, kAngle = 0.5 * kDegree;
+  PoseGaussian result = moved({before.pose, before.covariance}, motion, variance.cwiseSqrt());
+  result.covariance.diagonal().head<3>().array() += kPosition * kPosition;
+  result.covariance.diagonal().tail<3>().array() += kAngle * kAngle;
+  return result;
+}
+
+SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
+                                      const std::optional<UpReading>& up, bool look) {
+  const auto begin = std::chrono::steady_clock::now();
+  // An assumption that leads nowhere is given up.
+  constexpr int kAssumedFor = 6;  // keyframes
+  if (tilt_is_assumed_ && keyframe_count_ >= kAssumedFor) up_.reset();
+  if (up) {
+    up_ = up;
+    tilt_is_assumed_ = false;
+  }
+  report_.keyframe = false;
+  report_.total_ms = 0;
+  if (!keyframes_.empty() && !since_.isNewView(map_.params().search)) {
+    report_.estimate.mean =
+        hypotheses_.empty() ? Pose::Identity() : normalized(hypotheses_.front().pose * since_.step);
+    return report_;
+  }
+  keyframes_.push_back({search_.prepare(views), since_});
+  ++keyframe_count_;
+  if (keyframes_.size() > static_cast<size_t>(map_.params().search.window)) {
+    keyframes_.pop_front();
+    for (Hypothesis& h : hypotheses_) {
+      h.total -= h.history.front().log_likelihood;
+      h.history.pop_front();
+    }
+  }
+  follow();
+  since_ = {};
+  if (look) this->look();
+  sort();
+  if (look) smooth();
+  prune();
+  report_ = judge();
+  report_.keyframe = true;
+  report_.total_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return report_;
+}
+
+void GlobalLocalizer::follow() {
+  const Keyframe& now = keyframes_.back();
+  tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
+    Hypothesis& h = hypotheses_[i];
+    h.expected = predicted(h.history.back(), now.since.step, now.since.variance);
+    const FoundPose found = search_.follow(now.seen, h.expected);
+    h.pose = found.pose;
+    h.total += found.log_likelihood;
+    h.history.push_back(found);
+    ++h.followed;
+  });
+}
+
+std::vector<CameraView> GlobalLocalizer::rig() const {
+  // What the last few keyframes saw, as if cameras of one robot had seen it at once: odometry is
+  // good for so long, and poses that are wrong seldom explain all of it.
+  constexpr size_t kMost = 3;
+  std::vector<CameraView> views;
+  Pose to_then = Pose::Identity();
+  for (size_t k = keyframes_.size(); k-- > 0 && keyframes_.size() - k <= kMost;) {
+    for (CameraView view : keyframes_[k].seen.views) {
+      view.T_base_camera = to_then * view.T_base_camera;
+      views.push_back(std::move(view));
+    }
+    to_then = to_then * keyframes_[k].since.step.inverse();
+  }
+  return views;
+}
+
+std::vector<Pose> GlobalLocalizer::candidates() {
+  std::vector<Pose> found;
+  const std::vector<CameraView> views = rig();
+  if (guess_) found = search_.around(views, *guess_, up_, &random_);
+  const auto add = [&](const std::vector<Pose>& more) {
+    found.insert(found.end(), more.begin(), more.end());
+  };
+  add(alongWhatWasOpen());
+  if (only_guess_) return found;
+  add(whereItLooksAlike());
+  // What so many looks have not found, the next will hardly find.
+  constexpr int kEager = 12, kSeldom = 4;
+  if (look_count_ > kEager && look_count_ % kSeldom != 0) return found;
+  const int look = look_count_ > kEager ? look_count_ / kSeldom : look_count_;
+  // Both ways at first, then in turn.
+  const bool even = look % 2 == 0;
+  if (!even || look == 2) add(search_.everywhere(views, up_, &random_));
+  if (even && !hypotheses_.empty()) add(search_.everywhere(views, up_, rotations(), &random_));
+  return found;
+}
+
+std::vector<Pose> GlobalLocalizer::alongWhatWasOpen() const {
+  // Along a wall's only lines a pose may be anywhere. The next image that shows more fixes it, and
+  // a hypothesis that is followed finds the nearest of the places that look alike (shelves, steps).
+  constexpr size_t kMost = 4;                   // hypotheses
+  constexpr double kOpen = 0.12, kStep = 0.12;  // m
+  constexpr double kFarthest = 1.5;             // standard deviations
+  std::vector<Pose> found;
+  for (size_t i = 0; i < std::min(kMost, hypotheses_.size()); ++i) {
+    const Hypothesis& h = hypotheses_[i];
+    if (h.followed == 0) continue;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+        h.expected.covariance.topLeftCorner<3, 3>());
+    const double sigma = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+    if (sigma < kOpen) continue;
+    for (double offset = kStep; offset <= kFarthest * sigma; offset += kStep)
+      for (const double sign : {-1.0, 1.0}) {
+        Pose pose = h.expected.mean;
+        pose.translation() += pose.linear() * (sign * offset * axes.eigenvectors().col(2));
+        found.push_back(pose);
+      }
+  }
+  return found;
+}
+
+std::vector<Pose> GlobalLocalizer::whereItLooksAlike() {
+  // A wrong pose that explains several images is often a bay or a floor away from the right one.
+  constexpr size_t kMost = 4;  // hypotheses
+  std::vector<Pose> found, tried;
+  for (size_t i = 0; i < hypotheses_.size() && tried.size() < kMost; ++i) {
+    Hypothesis& h = hypotheses_[i];
+    if (std::any_of(tried.begin(), tried.end(), [&](const Pose& pose) {
+          return isNear(pose, h.pose, kSamePlace, kSameHeading);
+        }))
+      continue;
+    tried.push_back(h.pose);
+    if (h.repeated || h.followed == 0) continue;
+    h.repeated = true;
+    const std::vector<Pose> alike = search_.alike(keyframes_.back().seen, h.pose);
+    found.insert(found.end(), alike.begin(), alike.end());
+  }
+  return found;
+}
+
+std::vector<Eigen::Matrix3d> GlobalLocalizer::rotations() const {
+  constexpr size_t kMost = 8;
+  constexpr double kApart = 4 * kDegree;
+  std::vector<Pose> chosen;
+  for (const Hypothesis& h : hypotheses_)
+    for (int quarter = 0; quarter < 4 && chosen.size() < kMost; ++quarter) {
+      Pose turned = Pose::Identity();
+      turned.linear() =
+          Eigen::AngleAxisd(quarter * M_PI / 2, Eigen::Vector3d::UnitZ()) * h.pose.linear();
+      if (std::none_of(chosen.begin(), chosen.end(),
+                       [&](const Pose& c) { return rotationAngle(c, turned) < kApart; }))
+        chosen.push_back(turned);
+    }
+  std::vector<Eigen::Matrix3d> result;
+  result.reserve(chosen.size());
+  for (const Pose& pose : chosen) result.push_back(pose.linear());
+  return result;
+}
+
+GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) const {
+  Hypothesis h;
+  h.pose = found.pose;
+  h.history = {found};
+  h.total = found.log_likelihood;
+  FoundPose last = found;
+  for (size_t k = keyframes_.size() - 1; k > 0; --k) {
+    const Keyframe& later = keyframes_[k];
+    last = search_.follow(keyframes_[k - 1].seen,
+                          predicted(last, later.since.step.inverse(), later.since.variance));
+    h.total += last.log_likelihood;
+    h.history.push_front(last);
+  }
+  return h;
+}
+
+void GlobalLocalizer::look() {
+  ++look_count_;
+  const std::vector<Pose> starts = candidates();
+  std::vector<FoundPose> found(starts.size());
+  tbb::parallel_for(size_t{0}, starts.size(), [&](size_t i) {
+    found[i] =
+        search_.sharpen(keyframes_.back().seen, starts[i], search_.looseAround(starts[i], up_));
+  });
+  std::stable_sort(found.begin(), found.end(), [](const FoundPose& a, const FoundPose& b) {
+    return a.log_likelihood > b.log_likelihood;
+  });
+  std::vector<FoundPose> fresh;
+  for (const FoundPose& f : found) {
+    if (fresh.size() >= static_cast<size_t>(map_.params().search.hypotheses)) break;
+    const auto known = [&](const auto& other) {
+      return isNear(other.pose, f.pose, 0.1, 3 * kDegree);
+    };
+    if (std::none_of(hypotheses_.begin(), hypotheses_.end(), known) &&
+        std::none_of(fresh.begin(), fresh.end(), known) &&
+        search_.admits(keyframes_.back().seen.views, f.pose))
+      fresh.push_back(f);
+  }
+  const size_t old = hypotheses_.size();
+  hypotheses_.resize(old + fresh.size());
+  tbb::parallel_for(size_t{0}, fresh.size(),
+                    [&](size_t i) { hypotheses_[old + i] = backwards(fresh[i]); });
+}
+
+void GlobalLocalizer::sort() {
+  std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.total > b.total; });
+}
+
+void GlobalLocalizer::smooth() {
+  // One that was found beside the truth carries the scores of that with it, though later images
+  // have brought it to the right place: from there the earlier ones are looked at anew.
+  constexpr size_t kMost = 8;
+  const size_t count = std::min(kMost, hypotheses_.size());
+  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+    Hypothesis& h = hypotheses_[i];
+    if (h.followed == 0) return;  // has just been followed backwards
+    Hypothesis smoothed = backwards(h.history.back());
+    if (smoothed.total <= h.total) return;
+    h.total = smoothed.total;
+    h.history = std::move(smoothed.history);
+  });
+  sort();
+}
+
+void GlobalLocalizer::prune() {
+  const SearchParameters& p = map_.params().search;
+  const std::vector<CameraView>& views = keyframes_.back().seen.views;
+  std::vector<Hypothesis> kept;
+  for (Hypothesis& h : hypotheses_) {
+    if (kept.size() >= static_cast<size_t>(p.hypotheses)) break;
+    if (!search_.admits(views, h.pose)) continue;
+    if (!kept.empty() && h.total < kept.front().total - 4 * p.min_margin - 200) break;
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const Hypothesis& k) {
+      return isNear(k.pose, h.pose, 0.08, 2 * kDegree);
+    });
+    if (same == kept.end())
+      kept.push_back(std::move(h));
+    else
+      same->followed = std::max(same->followed, h.followed);
+  }
+  hypotheses_ = std::move(kept);
+}
+
+SearchReport GlobalLocalizer::judge() const {
+  const SearchParameters& p = map_.params().search;
+  SearchReport report;
+  report.keyframes = keyframe_count_;
+  report.hypotheses = static_cast<int>(hypotheses_.size());
+  if (hypotheses_.empty()) return report;
+  const Hypothesis& best = hypotheses_.front();
+  std::vector<double> totals;
+  double next = 0;  // what seeing nothing would score
+  for (const Hypothesis& h : hypotheses_) {
+    const bool same = std::any_of(
+        report.clusters.begin(), report.clusters.end(),
+        [&](const PoseCluster& c) { return isNear(c.pose, h.pose, kSamePlace, kSameHeading); });
+    if (same || report.clusters.size() >= 10) continue;
+    if (report.clusters.size() == 1) next = std::max(next, h.total);
+    report.clusters.push_back({h.pose, 0});
+    totals.push_back(h.total);
+  }
+  const std::vector<double> weights = normalize(totals);
+  for (size_t i = 0; i < weights.size(); ++i) report.clusters[i].weight = weights[i];
+  report.margin = best.total - next;
+  int with_image = 0, with_depth = 0;
+  for (const FoundPose& f : best.history) {
+    if (f.match_ratio >= 0) {
+      report.evidence += f.evidence;
+      report.match_ratio += f.match_ratio;
+      ++with_image;
+    }
+    if (f.depth_agreement >= 0) {
+      report.depth_agreement += f.depth_agreement;
+      ++with_depth;
+    }
+  }
+  report.evidence /= std::max(1, with_image);
+  report.match_ratio /= std::max(1, with_image);
+  report.depth_agreement /= std::max(1, with_depth);
+  report.estimate.mean = best.pose;
+  // Along a bare wall a pose that explains all may still be anywhere.
+  constexpr double kPosition = 0.05, kAngle = 1.5 * kDegree;
+  report.estimate.covariance = best.history.back().covariance;
+  report.estimate.covariance.diagonal().head<3>().array() += kPosition * kPosition;
+  report.estimate.covariance.diagonal().tail<3>().array() += kAngle * kAngle;
+  double min_margin = p.min_margin;
+  bool explained = true;
+  if (with_image > 0) {
+    // Where much of the model is not seen in the images, the rest must tell more.
+    constexpr double kLeastRatio = 0.3;
+    const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));
+    min_margin *= shortfall * shortfall;
+    explained = report.match_ratio >= kLeastRatio;
+    const LikelihoodParameters& likelihood = map_.params().likelihood;
+    if (likelihood.model == LikelihoodModel::kRobust) {
+      explained = explained && report.evidence >= p.min_evidence;
+    } else {
+      // An image scores k at most (eq. 3), the best wrong place most of that.
+      constexpr double kShareOfAll = 1.0 / 6;
+      min_margin = std::min(min_margin, kShareOfAll * likelihood.k * p.window);
+    }
+  }
+  if (with_depth > 0)
+    explained = explained && report.depth_agreement >= map_.params().tracking.min_depth_agreement;
+  // Shelves and stairs look alike a step farther: while neighbours explain the images about as
+  // well, the pose is not known.
+  constexpr double kNeighbour = 0.12, kNeighbourAngle = 3 * kDegree, kMuchBetter = 0.3;
+  const bool one_of_several =
+      std::any_of(hypotheses_.begin() + 1, hypotheses_.end(), [&](const Hypothesis& h) {
+        return h.total > best.total - kMuchBetter * min_margin &&
+               !isNear(h.pose, best.pose, kNeighbour, kNeighbourAngle);
+      });
+  report.convincing = explained && report.margin >= min_margin && !one_of_several;
+  // What was found just now was chosen to fit; only images that come later can contradict it.
+  constexpr int kFollowed = 2;  // keyframes
+  report.converged =
+      report.convincing && keyframe_count_ >= p.min_keyframes && best.followed >= kFollowed;
+  return report;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,409 @@
+#include "edge_mcl/localization/tracking/live_localizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/filter/motion_noise.h"
+#include "edge_mcl/localization/search/background_search.h"
+#include "edge_mcl/localization/search/global_localizer.h"
+#include "edge_mcl/localization/search/image_contours.h"
+
+namespace edge_mcl {
+
+namespace {
+
+/// After a short darkness the first image that fits will do. Later odometry may have drifted (0.1
+/// m/s are not rare) to where one that fits is a shelf beside the truth.
+constexpr double kBlindly = 3;  // s
+
+}  // namespace
+
+LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map, bool search_in_background)
+    : map_(std::move(map)),
+      tracking_(map_->params().tracking),
+      filter_(map_->params().filter, map_->params().refinement),
+      proof_(map_->params()),
+      search_in_background_(search_in_background) {}
+
+void LiveLocalizer::begin() {
+  initial_ = filter_.estimate();
+  state_ = LocalizerState::kConverging;
+  fresh_ = true;
+  odometry_of_update_.reset();
+  trusted_at_.reset();
+  trusted_ = false;
+  searching_ = false;
+  mask_lifter_.forget();
+  proof_.begin(isSpreadWide());
+  if (proof_.isNeeded()) beginSearch(true);
+}
+
+bool LiveLocalizer::isSpreadWide() const {
+  // Farther off than the normals reach the filter may settle beside the truth.
+  constexpr double kWidePosition = 0.3, kWideAngle = 0.14;  // m, rad; standard deviations
+  const Twist variance = filter_.estimate().covariance.diagonal();
+  return std::sqrt(variance.head<3>().maxCoeff()) > kWidePosition ||
+         std::sqrt(variance.tail<3>().maxCoeff()) > kWideAngle;
+}
+
+bool LiveLocalizer::isLeftToSearch(const LiveInput& input) const {
+  // Particles so far apart see the model from as many places, which takes as long as a search of
+  // all the building and seldom leads anywhere. Without odometry there is no other hope.
+  return state_ == LocalizerState::kLost && searching_ && !only_around_ && input.odometry &&
+         isSpreadWide();
+}
+
+void LiveLocalizer::setPose(const PoseGaussian& pose) {
+  filter_.initialize(pose);
+  begin();
+  given_ = initial_;
+}
+
+void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
+  finder_.reset();        // refers to the map
+  mask_lifter_.forget();  // knows its lines by number
+  map_ = std::move(map);
+  if (searching_) beginSearch(false);
+}
+
+void LiveLocalizer::beginSearch(bool only_around) {
+  const uint64_t seed = map_->params().filter.seed * 7919 + 17;
+  if (!finder_ && search_in_background_)
+    finder_ = std::make_unique<BackgroundSearch>(*map_, seed);
+  else if (!finder_)
+    finder_ = std::make_unique<GlobalLocalizer>(*map_, seed);
+  // What is known while lost is worth a look around.
+  if (initial_)
+    finder_->begin(filter_.estimate(), only_around);
+  else
+    finder_->begin();
+  searching_ = true;
+  only_around_ = only_around;
+}
+
+void LiveLocalizer::searchEverywhere() {
+  initial_.reset();
+  given_.reset();
+  state_ = LocalizerState::kSearching;
+  odometry_of_update_.reset();
+  trusted_at_.reset();
+  trusted_ = false;
+  beginSearch(false);
+}
+
+void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>& views,
+                           LiveResult* result) {
+  const SearchReport report = finder_->process(views, input.up);
+  result->clusters = report.clusters;
+  result->search_keyframes = report.keyframes;
+  result->search_ms = report.total_ms;
+  result->updated = true;
+  if (!report.keyframe || !(report.converged || agreesWith(report))) return;
+  filter_.initialize(report.estimate);
+  begin();
+  if (report.stale) proof_.require(false);
+  fresh_ = false;  // it holds for this image
+  trusted_at_ = input.time;
+  result->relocalized = true;
+  // What the search has just explained, the filter can say how well it knows.
+  useImages(views, result);
+  if (weigh(input.time, *result)) judge(input.time, true, true);
+}
+
+bool LiveLocalizer::agreesWith(const SearchReport& report) const {
+  // Search and filter begin at different places and come by different ways; that both end at the
+  // same wrong place, which explains several views as nothing else does, is not to be expected.
+  constexpr int kKeyframes = 3, kImages = 3;
+  constexpr double kSame = 0.1, kSameAngle = 3 * M_PI / 180;
+  return report.convincing && report.keyframes >= kKeyframes && isInitialized() &&
+         proof_.confirmations() >= kImages &&
+         isNear(report.estimate.mean, filter_.estimate().mean, kSame, kSameAngle);
+}
+
+bool LiveLocalizer::weigh(double time, const LiveResult& result) {
+  // Judged by depth alone, an image lacks nothing.
+  const double ratio = result.report.used_samples > 0 ? result.match_ratio : 1;
+  return proof_.weigh({time, result.updated, isConfirmed(result), ratio,
+                       static_cast<double>(result.report.visible_lines)},
+                      filter_.estimate());
+}
+
+void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
+  filter_.setParticles(std::move(poses), std::move(log_weights));
+  begin();
+  given_ = initial_;
+}
+
+bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
+  constexpr double kJump = 1;  // s; images that are late by less are out of order
+  if (last_time_ && input.time <= *last_time_) {
+    if (input.time > *last_time_ - kJump) {
+      result->late = true;
+      result->problem = "the image is older than the one before, not used";
+      return false;
+    }
+    // A recording that is played again, or a simulation that begins anew; or one that was only
+    // turned back a little, and then the robot is not where it began. Where the search found it in
+    // between is where it was then.
+    if (given_) {
+      setPose(PoseGaussian(*given_));
+      proof_.require(true);
+    } else {
+      searchEverywhere();
+    }
+    result->restarted = true;
+    result->problem = given_ ? "the clock jumped back; began again at the initial pose"
+                             : "the clock jumped back; the search began again";
+  }
+  // A pose that was just given holds for the first image after it.
+  if (last_time_ && !result->restarted) {
+    const double dt = input.time - *last_time_;
+    // Nobody knows what happened in a time without images. A camera may be slow, though, or send
+    // its images in bursts.
+    const bool is_gap = longest_interval_ > 0 && dt > kBlindly && dt > 3 * longest_interval_;
+    longest_interval_ = std::max(dt, 0.9 * longest_interval_);
+    if (is_gap && initial_ && !fresh_) {
+      proof_.interrupt(!input.odometry || !last_odometry_);
+      if (trusted_) trusted_at_ = input.time;  // doubted, but no image has contradicted it
+    }
+    std::optional<Pose> increment;
+    if (input.odometry && last_odometry_)
+      increment = normalized(last_odometry_->inverse() * *input.odometry);
+    if (searching_ && !fresh_) finder_->move(BaseMotion::of(map_->params().filter, increment, dt));
+    if (initial_ && !fresh_) {
+      const Pose before = filter_.estimate().mean;
+      const FilterParameters& p = map_->params().filter;
+      if (increment) {
+        filter_.predictWithOdometry(*increment, dt);
+        proof_.move(*increment, odometryNoise(p, *increment, dt));
+      } else {
+        filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap), dt);
+        // Where it flies on at its velocity the pose is expected, too.
+        proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
+      }
+    }
+  }
+  fresh_ = false;
+  last_time_ = input.time;
+  last_odometry_ = input.odometry;
+  if (initial_ && input.up && !filter_.correctTilt(*input.up))
+    result->problem = "the IMU's roll and pitch contradict the pose, not used";
+  return true;
+}
+
+bool LiveLocalizer::hasMoved(const LiveInput& input) const {
+  const TrackingParameters& p = tracking_;
+  if (p.update_min_d <= 0 && p.update_min_a_deg <= 0) return true;
+  if (!trusted_ || proof_.isNeeded()) return true;  // doubts are settled by images, at rest too
+  if (input.force_update || !input.odometry || !odometry_of_update_) return true;
+  const Pose motion = odometry_of_update_->inverse() * *input.odometry;
+  const double angle_deg = logSo3(motion.linear()).norm() * 180 / M_PI;
+  return (p.update_min_d > 0 && motion.translation().norm() >= p.update_min_d) ||
+         (p.update_min_a_deg > 0 && angle_deg >= p.update_min_a_deg);
+}
+
+cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::View& view) {
+  // A wrong pose would find reasons to lift a mask where there are none.
+  const bool fits = view.mask.type() == CV_8UC1 && view.mask.size() == view.image.size() &&
+                    view.image.cols == view.camera.width && view.image.rows == view.camera.height;
+  if (!tracking_.lift_mask || state_ != LocalizerState::kTracking || view.mask.empty() || !fits)
+    return view.mask;
+  try {
+    return mask_lifter_.lift(number, *map_, view.camera, view.image, view.mask,
+                             filter_.estimate().mean * view.T_base_camera);
+  } catch (const InputError&) {
+    return view.mask;  // who prepares the image says what is wrong with it
+  }
+}
+
+void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
+  // Images in a row: one that was not used, or did not confirm the pose, breaks it.
+  if (!used || state_ != LocalizerState::kTracking) return mask_lifter_.forget();
+  std::vector<Pose> T_base_camera;
+  for (const LiveInput::View& view : input.views) T_base_camera.push_back(view.T_base_camera);
+  mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
+}
+
+void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
+                                  std::vector<CameraView>* views, std::string* problem) {
+  const TrackingParameters& p = tracking_;
+  for (size_t number = 0; number < input.views.size(); ++number) {
+    const LiveInput::View& view = input.views[number];
+    if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
+      const double share =
+          static_cast<double>(cv::countNonZero(view.mask)) / static_cast<double>(view.mask.total());
+      result->masked_share = std::max(result->masked_share, share);
+      if (share > p.max_masked_share) {
+        *problem = view.origin + ": the mask leaves too little of the image";
+        continue;
+      }
+    }
+    std::shared_ptr<const PreparedImage> image;
+    try {
+      image = map_->prepare(view.camera, view.image, maskOf(number, view), view.origin);
+    } catch (const Error& e) {
+      *problem = e.what();
+      continue;
+    }
+    result->image_times.edges += image->times.edges;
+    result->image_times.field += image->times.field;
+    result->image_times.table += image->times.table;
+    if (image->pixels.list().size() < static_cast<size_t>(p.min_edge_pixels)) {
+      *problem = view.origin + ": hardly any edges in the image (dark or covered?)";
+      continue;
+    }
+    result->images.push_back(image);
+    result->image_numbers.push_back(number);
+    views->push_back({image, view.T_base_camera, 1, nullptr});
+  }
+}
+
+std::vector<CameraView> LiveLocalizer::prepareDepths(const LiveInput& input,
+                                                     std::string* problem) const {
+  constexpr size_t kFewestPoints = 50;
+  std::vector<CameraView> views;
+  for (const LiveInput::Depth& depth : input.depths) {
+    try {
+      std::shared_ptr<const DepthPoints> points = map_->prepareDepth(depth.image);
+      if (points->count < kFewestPoints)
+        *problem = depth.image.origin + ": hardly any depth in range (covered?)";
+      else
+        views.push_back({nullptr, depth.T_base_camera, 1, std::move(points), depth.sensor});
+    } catch (const Error& e) {
+      *problem = e.what();
+    }
+  }
+  return views;
+}
+
+std::vector<CameraView> LiveLocalizer::prepare(const LiveInput& input, LiveResult* result,
+                                               std::string* problem) {
+  std::vector<CameraView> views;
+  if (map_->usesImages()) prepareImages(input, result, &views, problem);
+  if (map_->usesDepth())
+    for (CameraView& view : prepareDepths(input, problem)) views.push_back(std::move(view));
+  if (views.empty() && problem->empty()) *problem = "no image";
+  return views;
+}
+
+std::string LiveLocalizer::useImages(std::vector<CameraView> views, LiveResult* result) {
+  std::string problem;
+  const auto hasImage = [](const CameraView& v) { return v.image != nullptr; };
+  // While it converges, the mean may see less than some of the particles do.
+  if (std::any_of(views.begin(), views.end(), hasImage) && state_ != LocalizerState::kConverging &&
+      map_->evaluate(views, {filter_.estimate().mean}).front().sample_weight <
+          tracking_.min_visible_samples) {
+    problem = "too little of the model in view at the expected pose";
+    views.erase(std::remove_if(views.begin(), views.end(), hasImage), views.end());
+    if (views.empty()) return problem;
+  }
+  result->report = filter_.update(*map_, views);
+  result->updated = true;
+  const UpdateReport& r = result->report;
+  if (!r.has_information) return "nothing of the model in view";
+  result->match_ratio =
+      r.used_samples > 0 ? static_cast<double>(r.matched_samples) / r.used_samples : 0;
+  return problem;
+}
+
+bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
+  const TrackingParameters& p = tracking_;
+  const UpdateReport& r = result.report;
+  if (!result.updated || !r.has_information) return false;
+  const bool enough_evidence = map_->params().likelihood.model == LikelihoodModel::kPaper ||
+                               r.evidence_per_line >= p.min_evidence;
+  const bool by_edges = result.match_ratio >= p.min_match_ratio && enough_evidence;
+  const bool by_depth = r.depth_agreement >= p.min_depth_agreement;
+  // What was used must agree, all of it.
+  const bool used_edges = r.visible_lines > 0, used_depth = r.depth_points > 0;
+  return (used_edges || used_depth) && (by_edges || !used_edges) && (by_depth || !used_depth);
+}
+
+bool LiveLocalizer::showWhatIsNotInView(const std::vector<CameraView>& views) {
+  // About a line from border to border; a bare wall shows less.
+  const auto shows = [](const CameraView& view) {
+    return view.image && ImageContours(view.image->edges).size() >=
+                             static_cast<size_t>(view.image->edges.width());
+  };
+  return std::any_of(views.begin(), views.end(), shows);
+}
+
+void LiveLocalizer::judge(double time, bool trusted, bool used) {
+  const TrackingParameters& p = tracking_;
+  if (!trusted_at_ || trusted) trusted_at_ = time;
+  trusted_ = trusted;
+  if (trusted) {
+    const Twist variance = filter_.estimate().covariance.diagonal();
+    const double degree = M_PI / 180;
+    const bool narrow =
+        std::sqrt(variance.head<3>().maxCoeff()) < p.converged_std_position &&
+        std::sqrt(variance.tail<3>().maxCoeff()) < p.converged_std_angle_deg * degree;
+    state_ = narrow ? LocalizerState::kTracking : LocalizerState::kConverging;
+  } else if (time - *trusted_at_ >= p.lost_after) {
+    state_ = LocalizerState::kLost;
+  } else if (state_ == LocalizerState::kTracking || (!used && state_ != LocalizerState::kLost)) {
+    state_ = LocalizerState::kDegraded;
+  }
+}
+
+LiveResult LiveLocalizer::process(const LiveInput& input) {
+  LiveResult result;
+  if (!isInitialized() && !searching_) {
+    result.problem = "no initial pose yet";
+    last_time_ = input.time;
+    last_odometry_ = input.odometry;
+    return result;
+  }
+  try {
+    if (advanceTo(input, &result)) processImages(input, &result);
+  } catch (const Error& e) {
+    result.problem = e.what();
+  }
+  result.state = state_;
+  result.estimate = filter_.estimate();
+  return result;
+}
+
+void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
+  if (isInitialized() && !searching_ && !hasMoved(input)) {
+    trusted_at_ = input.time;  // at rest there is nothing to lose
+    return;
+  }
+  std::string problem;
+  const std::vector<CameraView> views = prepare(input, result, &problem);
+  bool trusted = false;
+  if (isInitialized()) {
+    if (!views.empty() && !isLeftToSearch(input)) {
+      const std::string of_use = useImages(views, result);
+      if (!of_use.empty()) problem = of_use;
+    }
+    if (result->updated) odometry_of_update_ = input.odometry;
+    const bool confirmed = isConfirmed(*result);
+    trusted = weigh(input.time, *result);
+    if (result->updated && !confirmed && problem.empty())
+      problem = "the image does not confirm the pose";
+    judge(input.time, trusted, result->updated);
+    learnUnderMasks(input, result->updated);
+    if (trusted) searching_ = false;
+    if (state_ == LocalizerState::kLost) {
+      const bool contradicted =
+          result->updated ? !confirmed : !searching_ && showWhatIsNotInView(views);
+      const bool astray = isSpreadWide() || input.time - *trusted_at_ > kBlindly;
+      // Odometry keeps a robot that it has followed from being anywhere.
+      if (contradicted || astray) proof_.require(contradicted && !input.odometry);
+      const bool has_cause = contradicted || isSpreadWide() || result->updated;
+      if (proof_.isNeeded() && has_cause && (!searching_ || only_around_) &&
+          map_->params().search.recover)
+        beginSearch(false);
+    }
+  }
+  if (searching_ && !views.empty()) {
+    search(input, views, result);
+    if (problem.empty() && !result->relocalized) problem = "looking for the pose";
+  }
+  if (!problem.empty()) result->problem = problem;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,79 @@
+#include "edge_mcl/localization/tracking/mask_lifter.h"
+
+#include <cmath>
+#include <utility>
+
+namespace edge_mcl {
+
+namespace {
+
+constexpr int kImages = 3;
+constexpr double kLeastLength = 24, kLeastShare = 0.8;  // pixels, of them
+
+bool isSeen(const LineUnderMask& line) {
+  return line.length >= kLeastLength && line.shown >= kLeastShare * line.length;
+}
+
+/// @param sigmas how far the pose may be off, in the likelihood's sigma.
+std::vector<LineUnderMask> linesUnder(const cv::Mat& mask, const EdgePixels& edges,
+                                      const LocalizationMap& map, const CameraModel& camera,
+                                      const Pose& T_map_camera, double sigmas) {
+  const Parameters& p = map.params();
+  const EdgeReach reach = {sigmas * p.likelihood.sigma,
+                           std::cos(p.image.orientation_tolerance_deg * M_PI / 180)};
+  const Visibility& visibility = map.visibility();
+  return linesUnderMask(mask, edges,
+                        *visibility.cached(visibility.cellOf(T_map_camera.translation())), camera,
+                        T_map_camera, map.edges().sample_step, reach);
+}
+
+}  // namespace
+
+cv::Mat MaskLifter::lift(size_t view, const LocalizationMap& map, const CameraModel& camera,
+                         const cv::Mat& image, const cv::Mat& mask, const Pose& T_map_camera) {
+  View& memory = views_[view];
+  memory.last.reset();
+  if (cv::countNonZero(mask) == 0) {
+    memory.confirmed.clear();
+    return mask;
+  }
+  const Parameters& p = map.params();
+  memory.last =
+      Seen{camera, mask.clone(), EdgePixels(findEdges(image, cv::Mat(), p.image, "image"))};
+  if (memory.confirmed.empty()) return mask;
+  // The mask grows again; four sigmas are what a score tells apart.
+  const double band = 4 * p.likelihood.sigma + p.image.mask_dilation;
+  cv::Mat lifted = mask;
+  for (const LineUnderMask& line :
+       linesUnder(mask, memory.last->edges, map, camera, T_map_camera, 2)) {
+    const auto found = memory.confirmed.find(line.line);
+    if (found == memory.confirmed.end() || found->second < kImages || !isSeen(line)) continue;
+    if (lifted.data == mask.data) lifted = mask.clone();
+    clearAlong(line, band, &lifted);
+  }
+  return lifted;
+}
+
+void MaskLifter::learn(const LocalizationMap& map, const Pose& base_pose,
+                       const std::vector<Pose>& T_base_camera) {
+  for (auto& [number, view] : views_) {
+    if (!view.last || number >= T_base_camera.size()) {
+      view.confirmed.clear();
+      continue;
+    }
+    const Seen seen = *std::exchange(view.last, std::nullopt);
+    const Pose T_map_camera = base_pose * T_base_camera[number];
+    std::map<uint32_t, int> confirmed;
+    for (const LineUnderMask& line :
+         linesUnder(seen.mask, seen.edges, map, seen.camera, T_map_camera, 1)) {
+      const auto before = view.confirmed.find(line.line);
+      if (isSeen(line))
+        confirmed[line.line] = (before == view.confirmed.end() ? 0 : before->second) + 1;
+    }
+    view.confirmed = std::move(confirmed);
+  }
+}
+
+void MaskLifter::forget() { views_.clear(); }
+
+}  // namespace edge_mcl

@@ -1,0 +1,10 @@
+// edge_mcl_detector: masks of what is not in the map, as a node.
+#include "edge_mcl/nodes/common/node_main.h"
+#include "edge_mcl/nodes/detector/detector_node.h"
+
+int main(int argc, char** argv) {
+  return edge_mcl::runNode(argc, argv, "edge_mcl_detector", [] {
+    const edge_mcl::DetectorNode node{ros::NodeHandle(), ros::NodeHandle("~")};
+    ros::spin();
+  });
+}

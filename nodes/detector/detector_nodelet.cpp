@@ -1,0 +1,26 @@
+// edge_mcl/Detector: the detector as a nodelet, which takes images without copying them.
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+
+#include <memory>
+
+#include "edge_mcl/nodes/detector/detector_node.h"
+
+namespace edge_mcl {
+
+class DetectorNodelet : public nodelet::Nodelet {
+ private:
+  void onInit() override {
+    try {
+      node_ = std::make_unique<DetectorNode>(getMTNodeHandle(), getMTPrivateNodeHandle());
+    } catch (const std::exception& e) {
+      NODELET_FATAL("%s", e.what());
+      throw;  // the manager reports that it could not be loaded
+    }
+  }
+  std::unique_ptr<DetectorNode> node_;
+};
+
+}  // namespace edge_mcl
+
+PLUGINLIB_EXPORT_CLASS(edge_mcl::DetectorNodelet, nodelet::Nodelet)

@@ -1,0 +1,350 @@
+#include "edge_mcl/nodes/localizer/localizer_node.h"
+
+#include <ros/console.h>
+
+#include <cmath>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/backend_choice.h"
+#include "edge_mcl/nodes/localizer/particle_file.h"
+#include "edge_mcl/nodes/messages/ros_conversions.h"
+
+namespace edge_mcl {
+
+namespace {
+
+std::shared_ptr<const LocalizationMap> loadMap(const std::string& file, const Parameters& method) {
+  auto map = std::make_shared<LocalizationMap>(file, method);
+  chooseBackend(map.get());
+  for (const std::string& warning : map->mesh().report.warnings)
+    ROS_WARN("%s: %s", file.c_str(), warning.c_str());
+  return map;
+}
+
+/// Pairs of the same name in cfg/Localizer.cfg and in `tracking`.
+template <class F>
+void forEachAdjustable(LocalizerConfig* config, TrackingParameters* tracking, F f) {
+  f(config->min_match_ratio, tracking->min_match_ratio);
+  f(config->min_evidence, tracking->min_evidence);
+  f(config->min_depth_agreement, tracking->min_depth_agreement);
+  f(config->lost_after, tracking->lost_after);
+  f(config->min_visible_samples, tracking->min_visible_samples);
+  f(config->min_edge_pixels, tracking->min_edge_pixels);
+  f(config->max_masked_share, tracking->max_masked_share);
+  f(config->converged_std_position, tracking->converged_std_position);
+  f(config->converged_std_angle_deg, tracking->converged_std_angle_deg);
+  f(config->update_min_d, tracking->update_min_d);
+}
+
+/// What was received before a message that is so much older is of another time: a bag in a loop, a
+/// simulation begun anew.
+bool jumpedBack(const ros::Time& last, const ros::Time& now) {
+  return now + ros::Duration(1) < last;
+}
+
+}  // namespace
+
+LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
+    : nh_(nh), private_nh_(private_nh), transport_(nh), diagnostics_(nh, private_nh) {
+  applyParameters(readPrivateParameters(private_nh_), &params_, &method_);
+  const auto map = loadMap(params_.model_file, method_);
+  localizer_ = std::make_unique<LiveLocalizer>(map, params_.search_in_background);
+  if (params_.has_initial_pose) localizer_->setPose(params_.initialPose());
+  publisher_ = std::make_unique<ResultPublisher>(nh_, private_nh_, params_, method_.filter);
+  publisher_->publishModel(*map);
+  ROS_INFO("%s: %zu lines; %d particles; %s", params_.model_file.c_str(), map->edges().lines.size(),
+           method_.filter.particles, map->backend().name().c_str());
+  if (!params_.has_initial_pose && params_.global_start) localizer_->searchEverywhere();
+  if (!params_.has_initial_pose && !params_.global_start)
+    ROS_INFO("waiting for an initial pose on initialpose, or for a call of global_localization");
+  if (params_.odometry == "topic") odometry_buffer_ = std::make_unique<tf2::BufferCore>();
+  tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_);
+  diagnostics_.setHardwareID("edge_mcl");
+  diagnostics_.add("localization", this, &LocalizerNode::diagnose);
+  offerAdjustment();
+  subscribe();
+  worker_ = std::thread([this] { work(); });
+}
+
+LocalizerNode::~LocalizerNode() {
+  running_ = false;
+  input_ready_.notify_all();
+  if (worker_.joinable()) worker_.join();
+}
+
+void LocalizerNode::offerAdjustment() {
+  // In a namespace of its own: what the server leaves on the parameter server is not ours to read.
+  adjustment_ = std::make_unique<dynamic_reconfigure::Server<LocalizerConfig>>(
+      adjustment_mutex_, ros::NodeHandle(private_nh_, "adjust"));
+  LocalizerConfig now;
+  TrackingParameters tracking = localizer_->tracking();
+  forEachAdjustable(&now, &tracking, [](auto& offered, const auto& used) { offered = used; });
+  now.update_min_a = tracking.update_min_a_deg * M_PI / 180;
+  now.transform_tolerance = params_.transform_tolerance;
+  now.max_cloud_poses = params_.max_cloud_poses;
+  {
+    const boost::recursive_mutex::scoped_lock lock(adjustment_mutex_);
+    adjustment_->updateConfig(now);
+  }
+  adjustment_->setCallback([this](LocalizerConfig& wanted, uint32_t) {
+    const std::lock_guard<std::mutex> lock(localizer_mutex_);
+    TrackingParameters adjusted = localizer_->tracking();
+    forEachAdjustable(&wanted, &adjusted, [](const auto& offered, auto& used) { used = offered; });
+    adjusted.update_min_a_deg = wanted.update_min_a * 180 / M_PI;
+    localizer_->setTracking(adjusted);
+    publisher_->adjust(wanted.transform_tolerance, wanted.max_cloud_poses);
+  });
+}
+
+void LocalizerNode::subscribeToCamera(size_t i) {
+  using Callback = boost::function<void(const sensor_msgs::ImageConstPtr&)>;
+  Camera& camera = cameras_[i];
+  const std::string prefix = camera.name.empty() ? "" : camera.name + "/";
+  const auto keepInfo = [this](const std::string& topic, sensor_msgs::CameraInfoConstPtr* kept) {
+    return nh_.subscribe<sensor_msgs::CameraInfo>(
+        topic, 1,
+        boost::function<void(const sensor_msgs::CameraInfoConstPtr&)>(
+            [this, kept](const sensor_msgs::CameraInfoConstPtr& info) {
+              const std::lock_guard<std::mutex> lock(input_mutex_);
+              *kept = info;
+            }));
+  };
+  camera.info_subscriber = keepInfo(prefix + "camera_info", &camera.info);
+  if (method_.likelihood.cues != Cues::kDepth)
+    camera.image_subscriber = transport_.subscribe(
+        prefix + "image", 5,
+        Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveImage(i, m); }));
+  if (method_.likelihood.cues != Cues::kEdges) {
+    camera.depth_info_subscriber = keepInfo(prefix + "depth/camera_info", &camera.depth_info);
+    camera.depth_subscriber = transport_.subscribe(
+        prefix + "depth", 2,
+        Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveDepth(i, m); }));
+  }
+  if (params_.use_masks)
+    camera.mask_subscriber = transport_.subscribe(
+        prefix + "mask", 5, Callback([this, i](const sensor_msgs::ImageConstPtr& mask) {
+          const std::lock_guard<std::mutex> lock(input_mutex_);
+          cameras_[i].matcher.addMask(mask);
+          input_ready_.notify_all();
+        }));
+}
+
+void LocalizerNode::subscribe() {
+  for (const std::string& name : params_.cameraNames()) {
+    cameras_.emplace_back(params_.use_masks, params_.mask_timeout);
+    cameras_.back().name = name;
+    cameras_.back().origin = name.empty() ? "camera" : name;
+  }
+  for (size_t i = 0; i < cameras_.size(); ++i) subscribeToCamera(i);
+  // Carried over into the map at its own rate, whatever the localizer takes its odometry from.
+  subscribers_.push_back(nh_.subscribe("odom", 50, &LocalizerNode::receiveOdometry, this));
+  if (params_.use_imu)
+    subscribers_.push_back(nh_.subscribe("imu", 100, &LocalizerNode::receiveImu, this));
+  subscribers_.push_back(nh_.subscribe("initialpose", 2, &LocalizerNode::receiveInitialPose, this));
+  services_.push_back(nh_.advertiseService<std_srvs::Empty::Request, std_srvs::Empty::Response>(
+      "request_nomotion_update", [this](std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+        const std::lock_guard<std::mutex> lock(localizer_mutex_);
+        return force_update_ = true;
+      }));
+  services_.push_back(nh_.advertiseService<std_srvs::Empty::Request, std_srvs::Empty::Response>(
+      "global_localization", [this](std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+        const std::lock_guard<std::mutex> lock(localizer_mutex_);
+        localizer_->searchEverywhere();
+        publisher_->forgetPose();
+        return true;
+      }));
+  services_.push_back(private_nh_.advertiseService<SetPose::Request, SetPose::Response>(
+      "set_pose", [this](SetPose::Request& request, SetPose::Response& response) {
+        response.message = setPose(request.pose);
+        response.success = response.message.empty();
+        return true;
+      }));
+  services_.push_back(
+      private_nh_.advertiseService("reload_model", &LocalizerNode::reloadModel, this));
+  services_.push_back(
+      private_nh_.advertiseService("save_particles", &LocalizerNode::saveParticles, this));
+  services_.push_back(
+      private_nh_.advertiseService("load_particles", &LocalizerNode::loadParticles, this));
+  if (params_.save_pose_rate > 0)
+    save_timer_ = nh_.createWallTimer(ros::WallDuration(1 / params_.save_pose_rate),
+                                      [this](const ros::WallTimerEvent&) { savePose(); });
+  diagnostics_timer_ =
+      nh_.createWallTimer(ros::WallDuration(0.1), [this](const ros::WallTimerEvent&) {
+        if (diagnostics_pace_.isDue(diagnostics_.getPeriod())) diagnostics_.force_update();
+      });
+}
+
+void LocalizerNode::receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image) {
+  const std::lock_guard<std::mutex> lock(input_mutex_);
+  ++images_received_;
+  cameras_[camera].matcher.addImage(image, ros::WallTime::now().toSec());
+  input_ready_.notify_all();
+}
+
+void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr& depth) {
+  constexpr size_t kKept = 64;  // images may wait for their masks
+  {
+    const std::lock_guard<std::mutex> lock(input_mutex_);
+    std::deque<sensor_msgs::ImageConstPtr>& depths = cameras_[camera].depths;
+    if (!depths.empty() && jumpedBack(depths.back()->header.stamp, depth->header.stamp))
+      depths.clear();
+    depths.push_back(depth);
+    if (depths.size() > kKept) depths.pop_front();
+  }
+  // Without images it is depth that sets the pace.
+  if (method_.likelihood.cues == Cues::kDepth)
+    receiveImage(camera, depth);
+  else
+    input_ready_.notify_all();
+}
+
+void LocalizerNode::receiveImu(const sensor_msgs::ImuConstPtr& message) {
+  constexpr size_t kKept = 400;
+  const std::lock_guard<std::mutex> lock(input_mutex_);
+  if (!imu_.empty() && jumpedBack(imu_.back()->header.stamp, message->header.stamp)) imu_.clear();
+  imu_.push_back(message);
+  if (imu_.size() > kKept) imu_.pop_front();
+}
+
+void LocalizerNode::receiveOdometry(const nav_msgs::OdometryConstPtr& odometry) {
+  if (odometry_buffer_) {
+    try {
+      const Pose pose = fromMessage(odometry->pose.pose, "odometry");
+      // The buffer takes nothing that is much older than its newest.
+      if (jumpedBack(odometry_at_, odometry->header.stamp)) odometry_buffer_->clear();
+      odometry_at_ = odometry->header.stamp;
+      odometry_buffer_->setTransform(
+          toTransformStamped(pose, odometry->header.stamp, params_.odom_frame_id,
+                             params_.base_frame_id),
+          "odom");
+    } catch (const InputError& e) {
+      ROS_WARN_THROTTLE(5, "%s, left out", e.what());
+      return;
+    }
+  }
+  publisher_->publishOdometry(*odometry);
+}
+
+void LocalizerNode::receiveInitialPose(
+    const geometry_msgs::PoseWithCovarianceStampedConstPtr& message) {
+  const std::string problem = setPose(*message);
+  if (!problem.empty()) ROS_WARN("initialpose is not used: %s", problem.c_str());
+}
+
+std::string LocalizerNode::setPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  try {
+    PoseGaussian pose = fromMessage(message.pose, "initial pose");
+    const std::string& frame = message.header.frame_id;
+    if (!frame.empty() && frame != params_.global_frame_id) {
+      std::string why;
+      if (!tf_.canTransform(params_.global_frame_id, frame, ros::Time(0), &why))
+        throw InputError("its frame '" + frame + "' is not known in " + params_.global_frame_id +
+                         ": " + why);
+      const Pose T_map_frame = fromMessage(
+          tf_.lookupTransform(params_.global_frame_id, frame, ros::Time(0)).transform, frame);
+      pose.mean = T_map_frame * pose.mean;  // the covariance is in the robot's own axes
+    }
+    const std::lock_guard<std::mutex> lock(localizer_mutex_);
+    localizer_->setPose(pose);
+    ROS_INFO("initial pose: %.2f %.2f %.2f m", pose.mean.translation().x(),
+             pose.mean.translation().y(), pose.mean.translation().z());
+    return "";
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+}
+
+bool LocalizerNode::reloadModel(UseFile::Request& request, UseFile::Response& response) {
+  const std::string file = request.file.empty() ? params_.model_file : request.file;
+  try {
+    const auto map = loadMap(file, method_);
+    const std::lock_guard<std::mutex> lock(localizer_mutex_);
+    localizer_->setMap(map);
+    params_.model_file = file;
+    publisher_->publishModel(*map);
+    response.success = true;
+    response.message = file + ": " + std::to_string(map->edges().lines.size()) + " lines";
+  } catch (const std::exception& e) {
+    response.success = false;
+    response.message = std::string(e.what()) + "; the model in use is kept";
+    ROS_WARN("reload_model: %s", response.message.c_str());
+  }
+  return true;
+}
+
+bool LocalizerNode::saveParticles(UseFile::Request& request, UseFile::Response& response) {
+  ParticleSet particles;
+  {
+    const std::lock_guard<std::mutex> lock(localizer_mutex_);
+    if (localizer_->isInitialized())
+      particles = {localizer_->filter().poses(), localizer_->filter().logWeights()};
+  }
+  try {
+    if (particles.poses.empty()) throw InputError("there are no particles yet");
+    writeParticles(request.file, particles);
+    response.success = true;
+    response.message = std::to_string(particles.poses.size()) + " particles";
+  } catch (const std::exception& e) {
+    response.message = e.what();
+  }
+  return true;
+}
+
+bool LocalizerNode::loadParticles(UseFile::Request& request, UseFile::Response& response) {
+  try {
+    ParticleSet particles = readParticles(request.file);
+    const size_t count = particles.poses.size();
+    const std::lock_guard<std::mutex> lock(localizer_mutex_);
+    localizer_->setParticles(std::move(particles.poses), std::move(particles.log_weights));
+    response.success = true;
+    response.message = std::to_string(count) + " particles";
+  } catch (const std::exception& e) {
+    response.message = e.what();
+  }
+  return true;
+}
+
+void LocalizerNode::savePose() {
+  PoseGaussian pose;
+  {
+    const std::lock_guard<std::mutex> lock(localizer_mutex_);
+    if (localizer_->state() != LocalizerState::kTracking) return;  // what is kept is to be trusted
+    pose = localizer_->filter().estimate();
+  }
+  const Eigen::Vector3d& p = pose.mean.translation();
+  const Eigen::Matrix3d& r = pose.mean.linear();
+  private_nh_.setParam("initial_pose_x", p.x());
+  private_nh_.setParam("initial_pose_y", p.y());
+  private_nh_.setParam("initial_pose_z", p.z());
+  private_nh_.setParam("initial_pose_roll", std::atan2(r(2, 1), r(2, 2)));
+  private_nh_.setParam("initial_pose_pitch", std::asin(std::max(-1.0, std::min(1.0, -r(2, 0)))));
+  private_nh_.setParam("initial_pose_a", std::atan2(r(1, 0), r(0, 0)));
+  const Matrix6 c = covarianceInMapAxes(pose);
+  const char* axes[] = {"xx", "yy", "zz", "rr", "pp", "aa"};
+  for (int i = 0; i < 6; ++i) private_nh_.setParam(std::string("initial_cov_") + axes[i], c(i, i));
+}
+
+void LocalizerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const std::lock_guard<std::mutex> lock(localizer_mutex_);
+  const double silence =
+      last_image_at_.isZero() ? -1 : (ros::WallTime::now() - last_image_at_).toSec();
+  using Level = diagnostic_msgs::DiagnosticStatus;
+  if (silence < 0 || silence > 2)
+    status.summary(Level::WARN, silence < 0 ? "no image yet" : "no more images");
+  else if (last_result_.state == LocalizerState::kLost)
+    status.summary(Level::ERROR, "lost");
+  else if (last_result_.state == LocalizerState::kTracking && last_result_.problem.empty())
+    status.summary(Level::OK, "tracking");
+  else
+    status.summary(Level::WARN, nameOf(last_result_.state));
+  status.add("state", nameOf(last_result_.state));
+  status.add("problem", last_result_.problem);
+  status.add("seconds since the last image", silence);
+  status.add("update ms", last_update_ms_);
+  status.add("match ratio", last_result_.match_ratio);
+  status.add("effective sample size", last_result_.report.effective_sample_size);
+  status.add("visible lines", last_result_.report.visible_lines);
+  status.add("backend", localizer_->map().backend().name());
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,10 @@
+// edge_mcl_openni2: a depth camera through OpenNI2, as a node.
+#include "edge_mcl/nodes/common/node_main.h"
+#include "edge_mcl/nodes/openni2/openni2_node.h"
+
+int main(int argc, char** argv) {
+  return edge_mcl::runNode(argc, argv, "edge_mcl_openni2", [] {
+    edge_mcl::OpenNi2Node node{ros::NodeHandle(), ros::NodeHandle("~")};
+    node.run();
+  });
+}

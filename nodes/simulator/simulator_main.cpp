@@ -1,0 +1,12 @@
+// edge_mcl_simulator: a flight through a model, as a node.
+#include "edge_mcl/nodes/common/node_main.h"
+#include "edge_mcl/nodes/simulator/simulator_node.h"
+
+int main(int argc, char** argv) {
+  return edge_mcl::runNode(argc, argv, "edge_mcl_simulator", [] {
+    edge_mcl::SimulatorNode node{ros::NodeHandle(), ros::NodeHandle("~")};
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
+    node.run();
+  });
+}

@@ -1,0 +1,122 @@
+// The viewer node's main loops, with and without a window.
+#include <ros/console.h>
+#include <ros/spinner.h>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/nodes/common/private_parameters.h"
+#include "edge_mcl/nodes/localizer/node_parameters.h"
+#include "edge_mcl/nodes/viewer/viewer_node.h"
+#include "edge_mcl/viewer/output/view_recorder.h"
+#include "edge_mcl/viewer/window/viewer_window.h"
+
+namespace edge_mcl {
+
+namespace {
+
+/// What the viewer is not told it takes from the localizer: how the model is read must be the same.
+Parameters adoptFromLocalizer(const ros::NodeHandle& nh, ViewerNodeParameters* params) {
+  NodeParameters localizer;
+  Parameters method;
+  try {
+    applyParameters(readPrivateParameters(ros::NodeHandle(nh, params->localizer)), &localizer,
+                    &method);
+    // Of surfaces only what is seen is needed here.
+    method.likelihood.cues = Cues::kEdges;
+  } catch (const ParameterError& e) {
+    ROS_WARN("parameters of %s: %s", params->localizer.c_str(), e.what());
+    method = Parameters();
+  }
+  if (params->model.empty()) params->model = localizer.model_file;
+  if (params->global_frame_id.empty()) params->global_frame_id = localizer.global_frame_id;
+  if (params->base_frame_id.empty()) params->base_frame_id = localizer.base_frame_id;
+  return method;
+}
+
+/// The model that is shown.
+class ShownModel {
+ public:
+  /// @param params completed by the localizer's.
+  ShownModel(const ros::NodeHandle& nh, ViewerNodeParameters* params) : nh_(nh), given_(*params) {
+    load(params);
+  }
+
+  const LocalizationMap* map() const { return map_.get(); }
+  /// The model of a localizer that began after the viewer; null: it is known, or not there yet.
+  const LocalizationMap* comesLate(LiveView* view) {
+    if (map_ || asked_again_ || !view->hasStatus()) return nullptr;
+    asked_again_ = true;
+    ViewerNodeParameters params = given_;
+    try {
+      load(&params);
+    } catch (const Error& e) {
+      ROS_WARN("%s", e.what());
+    }
+    view->setFrames(params.global_frame_id, params.base_frame_id);
+    if (map_) ROS_INFO("the model of %s: %s", params.localizer.c_str(), params.model.c_str());
+    return map_.get();
+  }
+
+ private:
+  void load(ViewerNodeParameters* params) {
+    const Parameters method = adoptFromLocalizer(nh_, params);
+    if (!params->model.empty()) map_ = std::make_unique<LocalizationMap>(params->model, method);
+  }
+
+  ros::NodeHandle nh_;
+  const ViewerNodeParameters given_;
+  std::unique_ptr<LocalizationMap> map_;
+  bool asked_again_ = false;
+};
+
+void record(const ViewerNodeParameters& params, ShownModel* model, LiveView* view) {
+  RecorderOptions options;
+  options.video = params.video;
+  options.video_rate = params.video_rate;
+  options.pictures = params.pictures;
+  options.at = params.pictureTimes();
+  ViewRecorder recorder(model->map(), params, options);
+  int moments = 0;
+  ros::WallTime said_at;
+  ViewMoment moment;
+  while (ros::ok() && (params.moments == 0 || moments < params.moments)) {
+    if (!view->next(&moment)) {
+      // By the wall's clock: where nothing comes the simulated one may stand, too.
+      const std::string missing = view->whatIsMissing();
+      if (!missing.empty() && (ros::WallTime::now() - said_at).toSec() > 5) {
+        said_at = ros::WallTime::now();
+        ROS_WARN("%s", missing.c_str());
+      }
+      ros::WallDuration(0.01).sleep();
+      continue;
+    }
+    if (const LocalizationMap* map = model->comesLate(view)) recorder.setMap(map);
+    recorder.show(moment);
+    if (!moment.problem.empty()) ROS_WARN_THROTTLE(2, "%s", moment.problem.c_str());
+    ++moments;
+  }
+  recorder.close();
+  // ROS may have ended, and its console with it.
+  std::printf("%s\n", recorder.summary().c_str());
+  for (const std::string& file : recorder.written()) std::printf("%s\n", file.c_str());
+}
+
+}  // namespace
+
+void runViewer(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
+  auto params = readParameterStruct<ViewerNodeParameters>(private_nh);
+  ShownModel model(nh, &params);
+  LiveView view(nh, params);
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  if (params.headless) {
+    record(params, &model, &view);
+    return;
+  }
+  ViewerWindow window(model.map(), params, &view, "edge_mcl");
+  window.run([&] {
+    if (const LocalizationMap* map = model.comesLate(&view)) window.setMap(map);
+    return ros::ok();
+  });
+}
+
+}  // namespace edge_mcl

@@ -1,8 +1,0 @@
-// edge_mcl_viewer: what the localizer sees, live.
-#include "edge_mcl/nodes/node_main.h"
-#include "edge_mcl/nodes/viewer_node.h"
-
-int main(int argc, char** argv) {
-  return edge_mcl::runNode(argc, argv, "edge_mcl_viewer",
-                           [] { edge_mcl::runViewer(ros::NodeHandle(), ros::NodeHandle("~")); });
-}

@@ -1,0 +1,256 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/depth/depth_likelihood.h"
+#include "edge_mcl/core/localization_map.h"
+#include "support/random_points.h"
+#include "support/scenes.h"
+
+namespace edge_mcl {
+namespace {
+
+using test::anywhere;
+using test::plainDistance;
+using test::Random;
+
+const Pose kView = test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15});
+
+DepthImage roomDepth(const Pose& view = kView) {
+  DepthImage image;
+  image.camera = test::pinhole(160, 120, 125);
+  image.depth = test::renderDepth(test::furnishedRooms(), image.camera, view);
+  image.origin = "room";
+  return image;
+}
+
+std::shared_ptr<const DistanceField> roomField() {
+  static const auto field =
+      std::make_shared<const DistanceField>(test::furnishedRooms(), DistanceField::Options());
+  return field;
+}
+
+Pose disturbed(Random* random, double position, double angle) {
+  Twist xi;
+  xi << position * anywhere(random), angle * anywhere(random);
+  return kView * expSe3(xi);
+}
+
+TEST(DepthPoints, ProjectBackToTheirPixels) {
+  for (const DistortionModel model :
+       {DistortionModel::kNone, DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial,
+        DistortionModel::kEquidistant}) {
+    DepthImage image;
+    image.camera = test::distorted(test::pinhole(), model);
+    image.depth = cv::Mat(480, 640, CV_16U);
+    for (int y = 0; y < 480; ++y)
+      for (int x = 0; x < 640; ++x) image.depth.at<uint16_t>(y, x) = 1000 + 4 * x + y;
+    const DepthPoints points = makeDepthPoints(image, DepthParameters());
+    ASSERT_GT(points.count, 400u);
+    EXPECT_LE(points.count, 500u);
+    for (size_t i = 0; i < points.count; ++i) {
+      Eigen::Vector2d pixel;
+      ASSERT_TRUE(image.camera.project({points.x[i], points.y[i], points.z[i]}, &pixel));
+      const int x = static_cast<int>(std::lround(pixel.x())),
+                y = static_cast<int>(std::lround(pixel.y()));
+      EXPECT_NEAR(pixel.x(), x, 1e-3);
+      EXPECT_NEAR(pixel.y(), y, 1e-3);
+      EXPECT_NEAR(points.z[i], image.depth.at<uint16_t>(y, x) / 1000.0, 1e-6);
+    }
+  }
+}
+
+TEST(DepthPoints, WhatIsIgnoredOutOfRangeOrMissingIsLeftOut) {
+  DepthImage image = roomDepth();
+  DepthParameters params;
+  params.max_range = 2.5;
+  image.depth.colRange(0, 40).setTo(NAN);
+  image.depth.rowRange(0, 10).setTo(-1);
+  image.depth.rowRange(10, 15).setTo(INFINITY);
+  image.mask = {cv::Mat::zeros(120, 160, CV_8U), image.camera, Pose::Identity()};
+  image.mask->pixels.colRange(100, 160).setTo(255);
+  const DepthPoints points = makeDepthPoints(image, params);
+  ASSERT_GT(points.count, 20u);
+  for (size_t i = 0; i < points.count; ++i) {
+    Eigen::Vector2d pixel;
+    ASSERT_TRUE(image.camera.project({points.x[i], points.y[i], points.z[i]}, &pixel));
+    EXPECT_GT(pixel.x(), 39.5);
+    EXPECT_LT(pixel.x(), 99.5);
+    EXPECT_GT(pixel.y(), 14.5);
+    EXPECT_LE(points.z[i], 2.5f);
+  }
+  image.mask->pixels.setTo(1);
+  EXPECT_EQ(makeDepthPoints(image, params).count, 0u);
+  image.mask.reset();
+  image.depth.setTo(0);
+  EXPECT_EQ(makeDepthPoints(image, params).count, 0u);
+}
+
+TEST(DepthPoints, TheMaskMayBeThatOfAnotherCamera) {
+  DepthImage image = roomDepth();
+  // A colour camera 30 cm to the right; what it masks is a half-space of the scene.
+  const Eigen::Vector3d offset(0.3, 0, 0);
+  DepthImage::Mask mask{cv::Mat::zeros(480, 640, CV_8U), test::pinhole(), Pose::Identity()};
+  mask.T_mask_depth.translation() = -offset;
+  mask.pixels.colRange(320, 640).setTo(1);
+  image.mask = mask;
+  const DepthPoints points = makeDepthPoints(image, DepthParameters());
+  ASSERT_GT(points.count, 50u);
+  for (size_t i = 0; i < points.count; ++i) {
+    Eigen::Vector2d pixel;
+    const Eigen::Vector3d seen = Eigen::Vector3d(points.x[i], points.y[i], points.z[i]) - offset;
+    if (mask.camera.project(seen, &pixel) && mask.camera.contains(pixel)) {
+      EXPECT_LT(pixel.x(), 319.6);
+    }
+  }
+}
+
+TEST(DepthPoints, BrokenImagesAreErrors) {
+  DepthImage image = roomDepth();
+  image.camera.width = 150;
+  EXPECT_THROW(makeDepthPoints(image, DepthParameters()), InputError);
+  image = roomDepth();
+  image.depth.convertTo(image.depth, CV_8U);
+  EXPECT_THROW(makeDepthPoints(image, DepthParameters()), InputError);
+  image = roomDepth();
+  image.mask = {cv::Mat::zeros(12, 16, CV_8U), image.camera, Pose::Identity()};
+  EXPECT_THROW(makeDepthPoints(image, DepthParameters()), InputError);
+}
+
+TEST(DepthLikelihood, AgreesWithTheFormulaOnTrueDistances) {
+  // The scores of points beside planes; a fifth of the field is near edges, where the linear
+  // continuation is off by up to some centimetres (see ReadsTheTrueDistance).
+  const MeshModel mesh = test::furnishedRooms();
+  const DepthParameters params;
+  const DepthLikelihood likelihood(roomField(), params);
+  const DepthPoints points = makeDepthPoints(roomDepth(), params);
+  Random random(5);
+  for (int k = 0; k < 20; ++k) {
+    const Pose pose = disturbed(&random, 0.03, 0.01);
+    double sum = 0;
+    for (size_t i = 0; i < points.count; ++i) {
+      const double d =
+          plainDistance(mesh, pose * Eigen::Vector3d(points.x[i], points.y[i], points.z[i]));
+      const double noise = params.sigma_per_square_metre * points.z[i] * points.z[i];
+      const double sigma = std::sqrt(params.sigma * params.sigma + noise * noise);
+      sum +=
+          std::log(params.clutter + (1 - params.clutter) * params.truncation * std::sqrt(2 / M_PI) /
+                                        sigma * std::exp(-d * d / (2 * sigma * sigma)));
+    }
+    const double expected =
+        params.independent_points * points.returned * sum / static_cast<double>(points.count);
+    EXPECT_NEAR(likelihood.evaluate(points, {pose}).front().log_likelihood, expected,
+                0.02 * std::abs(expected) + 1);
+  }
+}
+
+TEST(DepthLikelihood, VectorUnitAndSlowReferenceAgree) {
+  const DepthLikelihood likelihood(roomField(), DepthParameters());
+  const DepthPoints points = makeDepthPoints(roomDepth(), DepthParameters());
+  Random random(6);
+  std::vector<Pose> poses;
+  poses.reserve(501);
+  for (int i = 0; i < 500; ++i) poses.push_back(disturbed(&random, 0.3, 0.2));
+  poses.push_back(test::lookAlong({50, 50, 50}, {1, 0, 0}));  // everything outside
+  const std::vector<DepthScore> scores = likelihood.evaluate(points, poses);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const DepthScore slow = likelihood.evaluateSlowly(points, poses[i]);
+    // Single precision; a point within rounding of a voxel's border may read its neighbour, which
+    // near an edge differs by centimetres: one such point may shift the mean of 500.
+    EXPECT_NEAR(scores[i].log_likelihood, slow.log_likelihood, 0.4);
+    EXPECT_NEAR(scores[i].agreement, slow.agreement, 0.003);
+  }
+}
+
+TEST(DepthLikelihood, SameBitsAloneInABatchAndOnAnyNumberOfThreads) {
+  const DepthLikelihood likelihood(roomField(), DepthParameters());
+  const DepthPoints points = makeDepthPoints(roomDepth(), DepthParameters());
+  Random random(7);
+  std::vector<Pose> poses;
+  poses.reserve(333);
+  for (int i = 0; i < 333; ++i) poses.push_back(disturbed(&random, 0.2, 0.1));
+  const std::vector<DepthScore> all = likelihood.evaluate(points, poses);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const std::vector<DepthScore> again = likelihood.evaluate(points, poses);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_EQ(all[i].log_likelihood, again[i].log_likelihood);
+    EXPECT_EQ(likelihood.evaluate(points, {poses[i]}).front().log_likelihood,
+              all[i].log_likelihood);
+  }
+}
+
+TEST(DepthLikelihood, NothingSaysNothingAndNaNIsAnError) {
+  const DepthLikelihood likelihood(roomField(), DepthParameters());
+  EXPECT_EQ(likelihood.evaluate(DepthPoints(), {kView}).front().log_likelihood, 0);
+  Pose bad = kView;
+  bad.translation().x() = NAN;
+  EXPECT_THROW(likelihood.evaluate(DepthPoints(), {bad}), Error);
+}
+
+TEST(DepthLikelihood, GradientIsTheDerivative) {
+  const DepthLikelihood likelihood(roomField(), DepthParameters());
+  const DepthPoints points = makeDepthPoints(roomDepth(), DepthParameters());
+  Random random(8);
+  for (int k = 0; k < 10; ++k) {
+    const Pose pose = disturbed(&random, 0.05, 0.03);
+    const NormalEquations n = likelihood.linearize(points, pose, 0);
+    for (int axis = 0; axis < 6; ++axis) {
+      // Short, so that hardly any point changes its voxel.
+      constexpr double kStep = 1e-7;
+      const Twist xi = kStep * Twist::Unit(axis);
+      const double numeric =
+          (likelihood.evaluateSlowly(points, pose * expSe3(xi)).log_likelihood -
+           likelihood.evaluateSlowly(points, pose * expSe3(-xi)).log_likelihood) /
+          (2 * kStep);
+      EXPECT_NEAR(n.g[axis], numeric, 1e-3 * n.g.norm() + 1e-3) << axis;
+    }
+  }
+}
+
+TEST(DepthLikelihood, ABiasIsFoundFromDepthsNearAndFar) {
+  const DepthLikelihood likelihood(roomField(), DepthParameters());
+  for (const double b : {-0.003, 0.0015, 0.004}) {
+    DepthImage image = roomDepth();
+    for (int y = 0; y < image.depth.rows; ++y)
+      for (int x = 0; x < image.depth.cols; ++x) {
+        float& z = image.depth.at<float>(y, x);
+        z -= static_cast<float>(b) * z * z;
+      }
+    DepthBias bias{0, 0.004 * 0.004};
+    const DepthPoints points = makeDepthPoints(image, DepthParameters());
+    for (int i = 0; i < 5; ++i) {
+      const DepthPoints better = withoutBias(points, bias);
+      const DepthBias rest = likelihood.remainingBias(better, kView, 1e-6 * Matrix6::Identity());
+      bias.mean += rest.mean;
+      EXPECT_LT(rest.variance, bias.variance);
+    }
+    EXPECT_NEAR(bias.mean, b, 3e-4) << b;
+  }
+}
+
+TEST(DepthLikelihood, RefinementFindsTheTruePose) {
+  Parameters params;
+  params.likelihood.cues = Cues::kDepth;
+  params.depth.bias_sigma = 0;
+  const LocalizationMap map(test::furnishedRooms(), params);
+  CameraView view;
+  view.depth = map.prepareDepth(roomDepth());
+  view.T_base_camera = opticalOnBody();  // the state is the base's pose
+  const Pose truth = kView * view.T_base_camera.inverse();
+  Random random(9);
+  for (int seed = 0; seed < 50; ++seed) {
+    PoseGaussian prior;
+    Twist xi;
+    xi << 0.1 * anywhere(&random), 0.05 * anywhere(&random);
+    prior.mean = truth * expSe3(xi);
+    prior.covariance.diagonal() << 1, 1, 1, 0.25, 0.25, 0.25;  // wide: it must not pull
+    const RefinementResult result = map.refine({view}, prior.mean, prior);
+    EXPECT_GT(result.matched_points, 300);
+    // Exact depths: what is left is the field's rounding (0.7 mm), averaged over many points.
+    EXPECT_LT((result.pose.translation() - truth.translation()).norm(), 0.0005) << seed;
+    EXPECT_LT(logSo3(truth.linear().transpose() * result.pose.linear()).norm(), 0.0005) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace edge_mcl

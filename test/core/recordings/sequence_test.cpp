@@ -1,0 +1,163 @@
+#include "edge_mcl/core/recordings/sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/recordings/trajectory_evaluation.h"
+#include "edge_mcl/localization/recorded/sequence_input.h"
+
+namespace edge_mcl {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A directory with three images of one second.
+class SequenceTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = fs::path(testing::TempDir()) /
+            testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(root_);
+    fs::create_directories(root_);
+    write("camera.yaml",
+          "image_width: 40\nimage_height: 30\ncamera_matrix: {rows: 3, cols: 3, data: [30, 0, 20, "
+          "0, 30, 15, 0, 0, 1]}\ndistortion_model: plumb_bob\n"
+          "distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n");
+    write("rgb.txt", "10.0 a.png\n10.5 b.png\n11.0 c.png\n");
+    camera_ = CameraModel::fromYamlFile((root_ / "camera.yaml").string());
+  }
+  void TearDown() override { fs::remove_all(root_); }
+  void write(const std::string& name, const std::string& text) {
+    fs::create_directories((root_ / name).parent_path());
+    std::ofstream(root_ / name) << text;
+  }
+  Sequence read() const { return readSequence(root_.string()); }
+
+  fs::path root_;
+  CameraModel camera_;
+};
+
+TEST_F(SequenceTest, IsCalledAsItsDirectory) {
+  EXPECT_EQ(read().name, root_.filename().string());
+  EXPECT_EQ(readSequence(root_.string() + "/").name, root_.filename().string());
+}
+
+TEST_F(SequenceTest, NeedsNoInitialPoseUntilItIsAskedFor) {
+  const Sequence sequence = read();
+  EXPECT_FALSE(sequence.initial_pose);
+  EXPECT_THROW(startOf(sequence), InputError);
+  write("sequence.yaml", "initial_pose: [1, 2, 3, 0, 0, 0, 1]\n");
+  EXPECT_EQ(startOf(read()).translation(), Eigen::Vector3d(1, 2, 3));
+}
+
+/// Along a line at 2 m/s, turning at 1 rad/s about it: between two readings as at them.
+TEST_F(SequenceTest, OdometryOfOtherTimesIsInterpolated) {
+  std::string lines;
+  for (int k = 1; k <= 10; ++k) {  // from 10.03 on: a little later than the first image
+    const double t = 9.93 + 0.1 * k, angle = t - 9.93;
+    lines += std::to_string(t) + " " + std::to_string(2 * angle) + " 0 0 " +
+             std::to_string(std::sin(angle / 2)) + " 0 0 " + std::to_string(std::cos(angle / 2)) +
+             "\n";
+  }
+  write("odometry.txt", lines);
+  const Sequence sequence = read();
+  for (size_t i = 0; i < 2; ++i) {
+    ASSERT_TRUE(sequence.frames[i].odometry);
+    const double since = 0.07 + 0.5 * static_cast<double>(i);
+    // Six digits are in the file.
+    EXPECT_NEAR(sequence.frames[i].odometry->translation().x(), 2 * since, 1e-5);
+    EXPECT_NEAR(logSo3(sequence.frames[i].odometry->linear()).x(), since, 1e-5);
+  }
+  EXPECT_FALSE(sequence.frames[2].odometry);  // it ends at 10.93
+  ASSERT_EQ(sequence.warnings.size(), 1u);
+  EXPECT_NE(sequence.warnings[0].find("none for 1 of 3"), std::string::npos);
+}
+
+TEST_F(SequenceTest, ListsOfOtherTimesAreWarnedOf) {
+  write("mask.txt", "20.0 a.png\n");
+  write("depth.txt", "10.2 a.png\n");
+  write("odometry.txt", "20.0 0 0 0 0 0 0 1\n");
+  const Sequence sequence = read();
+  ASSERT_EQ(sequence.warnings.size(), 3u);
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_NE(sequence.warnings[i].find(std::vector<std::string>{"odometry", "mask", "depth"}[i]),
+              std::string::npos);
+}
+
+TEST_F(SequenceTest, MasksOfAPartOfTheImagesAreWarnedOf) {
+  write("mask.txt", "10.0 a.png\n");
+  Sequence sequence = read();
+  ASSERT_EQ(sequence.warnings.size(), 1u);
+  EXPECT_NE(sequence.warnings[0].find("mask.txt: none for 2 of 3"), std::string::npos);
+  sequence.warnings.clear();
+  write("other/mask.txt", "10.0 a.png\n10.5 b.png\n");
+  useMasks((root_ / "other").string(), &sequence);
+  ASSERT_EQ(sequence.warnings.size(), 1u);
+  EXPECT_NE(sequence.warnings[0].find("other/mask.txt: none for 1 of 3"), std::string::npos);
+  sequence.warnings.clear();
+  write("other/mask.txt", "10.0 a.png\n10.5 b.png\n11.0 c.png\n");
+  useMasks((root_ / "other").string(), &sequence);
+  EXPECT_TRUE(sequence.warnings.empty());
+}
+
+/// A reference of ten times the estimate's rate: what it is off by does not depend on that.
+TEST(TrajectoryEvaluation, ADenseReferenceCostsNoSuccess) {
+  Trajectory estimate, reference;
+  for (int k = 0; k < 100; ++k) {
+    reference.push_back({0.01 * k, "", Pose::Identity()});
+    if (k % 10 == 0) estimate.push_back(reference.back());
+  }
+  estimate.back().pose.translation().x() = 1;
+  const TrajectoryErrors errors = evaluateTrajectory(estimate, reference);
+  EXPECT_EQ(errors.matched, 10u);
+  EXPECT_NEAR(errors.success_share, 0.09, 1e-12);
+  EXPECT_NEAR(errors.success_share_of_matched, 0.9, 1e-12);
+}
+
+TEST_F(SequenceTest, StampsInNanosecondsAreAnError) {
+  write("rgb.txt", "1403715273262142976 a.png\n1403715273312143104 b.png\n");
+  EXPECT_THROW(read(), InputError);
+}
+
+TEST_F(SequenceTest, ABadDepthImageDoesNotCostTheImage) {
+  cv::imwrite((root_ / "a.png").string(), cv::Mat(30, 40, CV_8UC1, cv::Scalar(90)));
+  cv::imwrite((root_ / "half.png").string(), cv::Mat(15, 20, CV_16UC1, cv::Scalar(5000)));
+  write("depth.txt", "10.0 half.png\n");
+  const Sequence sequence = read();
+  std::string problem;
+  const LiveInput input = readInput(sequence, sequence.frames[0], {true, true, true}, &problem);
+  EXPECT_EQ(input.views.size(), 1u);
+  EXPECT_TRUE(input.depths.empty());
+  EXPECT_NE(problem.find("half.png"), std::string::npos);
+}
+
+TEST_F(SequenceTest, AnyColourThatIsNotZeroIsMasked) {
+  const std::string file = (root_ / "mask.png").string();
+  const cv::Point there(7, 5);
+  const auto check = [&](cv::Mat mask, const char* what) {
+    cv::imwrite(file, mask);
+    const cv::Mat read = readMask(file, camera_);
+    ASSERT_EQ(read.type(), CV_8UC1) << what;
+    EXPECT_EQ(read.at<uint8_t>(there), 255) << what;
+    EXPECT_EQ(cv::countNonZero(read), 1) << what;
+  };
+  cv::Mat byte = cv::Mat::zeros(30, 40, CV_8UC1);
+  byte.at<uint8_t>(there) = 1;
+  check(byte, "8 bits");
+  cv::Mat word = cv::Mat::zeros(30, 40, CV_16UC1);
+  word.at<uint16_t>(there) = 3;
+  check(word, "16 bits");
+  cv::Mat blue = cv::Mat::zeros(30, 40, CV_8UC3);
+  blue.at<cv::Vec3b>(there) = {3, 0, 0};
+  check(blue, "dark blue");
+  cv::Mat opaque(30, 40, CV_8UC4, cv::Scalar(0, 0, 0, 255));
+  opaque.at<cv::Vec4b>(there) = {0, 0, 9, 255};
+  check(opaque, "with alpha");
+}
+
+}  // namespace
+}  // namespace edge_mcl

@@ -1,0 +1,259 @@
+// How far the pose of a followed camera is trusted, with images drawn by the test itself.
+#include "edge_mcl/localization/tracking/live_localizer.h"
+
+#include <gtest/gtest.h>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/backend_choice.h"
+#include "support/scenes.h"
+#include "support/search_setup.h"
+
+namespace edge_mcl {
+namespace {
+
+const Pose kView = test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15});
+const Pose kElsewhere = test::lookAlong({4.6, 2.4, 1.3}, {1, -0.3, -0.1});
+
+class LiveLocalizerTest : public testing::Test {
+ protected:
+  const CameraModel camera_ = test::pinhole(320, 240, 220);
+  const cv::Mat here_ = test::render(test::furnishedRooms(), camera_, kView, 1);
+  const cv::Mat elsewhere_ = test::render(test::furnishedRooms(), camera_, kElsewhere, 1);
+
+  /// Without a search, so that what the filter does is seen alone.
+  static Parameters alone() {
+    Parameters params;
+    params.filter.particles = 300;
+    params.search.recover = false;
+    params.depth.store_field = false;
+    return params;
+  }
+  static PoseGaussian around(const Pose& mean, double position, double angle) {
+    PoseGaussian pose;
+    pose.mean = mean;
+    pose.covariance.diagonal().head<3>().setConstant(position * position);
+    pose.covariance.diagonal().tail<3>().setConstant(angle * angle);
+    return pose;
+  }
+  LiveLocalizer begun(const Parameters& params) const {
+    LiveLocalizer localizer(std::make_shared<LocalizationMap>(test::furnishedRooms(), params));
+    localizer.setPose(around(kView, 0.02, 0.01));
+    return localizer;
+  }
+  LiveInput input(double time, const cv::Mat& image,
+                  const Pose& odometry = Pose::Identity()) const {
+    LiveInput input;
+    input.time = time;
+    input.odometry = odometry;
+    LiveInput::View view;
+    view.camera = camera_;
+    view.image = image;
+    view.origin = "image";
+    input.views = {view};
+    return input;
+  }
+};
+
+TEST_F(LiveLocalizerTest, WhereFewImagesAreUsedAWrongPoseIsLostToo) {
+  Parameters params = alone();
+  params.tracking.update_min_d = 0.2;
+  LiveLocalizer localizer = begun(params);
+  EXPECT_EQ(localizer.process(input(0, here_)).state, LocalizerState::kTracking);
+  bool lost = false;
+  for (int i = 1; i <= 50; ++i) {  // five images a metre
+    Pose odometry = Pose::Identity();
+    odometry.translation().x() = 0.05 * (i % 40 < 20 ? i % 40 : 40 - i % 40);
+    lost |= localizer.process(input(0.1 * i, elsewhere_, odometry)).state == LocalizerState::kLost;
+  }
+  EXPECT_TRUE(lost);
+}
+
+TEST_F(LiveLocalizerTest, AtRestItStaysAsItIs) {
+  Parameters params = alone();
+  params.tracking.update_min_d = 0.2;
+  LiveLocalizer localizer = begun(params);
+  for (int i = 0; i < 50; ++i)  // what it would not believe is not looked at
+    EXPECT_EQ(localizer.process(input(0.1 * i, i == 0 ? here_ : elsewhere_)).state,
+              LocalizerState::kTracking);
+}
+
+TEST_F(LiveLocalizerTest, AfterAGapOneImageProvesNothing) {
+  LiveLocalizer localizer = begun(alone());
+  double time = 0;
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(localizer.process(input(time += 0.1, here_)).state, LocalizerState::kTracking);
+  time += 10;
+  EXPECT_EQ(localizer.process(input(time, here_)).state, LocalizerState::kDegraded);
+  for (int i = 0; i < 30; ++i) localizer.process(input(time += 0.1, here_));
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+}
+
+TEST_F(LiveLocalizerTest, ASlowCameraHasNoGaps) {
+  LiveLocalizer localizer = begun(alone());
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(localizer.process(input(5.0 * i, here_)).state, LocalizerState::kTracking) << i;
+}
+
+TEST_F(LiveLocalizerTest, NorHasOneThatSendsBursts) {
+  LiveLocalizer localizer = begun(alone());
+  double time = 0;
+  int tracked = 0;
+  for (int burst = 0; burst < 6; ++burst) {
+    for (int i = 0; i < 6; ++i) {
+      const LocalizerState state = localizer.process(input(time += 0.3, here_)).state;
+      EXPECT_NE(state, LocalizerState::kLost);
+      tracked += state == LocalizerState::kTracking ? 1 : 0;
+    }
+    time += 4;
+  }
+  EXPECT_GE(tracked, 31);  // of 36; the first pause is one
+}
+
+TEST_F(LiveLocalizerTest, AfterAGapImagesAreLookedAtAtRestToo) {
+  Parameters params = alone();
+  params.tracking.update_min_d = 0.05;
+  LiveLocalizer localizer = begun(params);
+  double time = 0;
+  for (int i = 0; i < 20; ++i) {
+    Pose odometry = Pose::Identity();
+    odometry.translation().x() = i % 2 ? 0 : 0.002;
+    localizer.process(input(time += 0.1, here_, odometry));
+  }
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+  time += 10;  // carried elsewhere, unknown to its odometry
+  int tracked = 0;
+  for (int i = 0; i < 40; ++i)
+    tracked += localizer.process(input(time += 0.1, elsewhere_)).state == LocalizerState::kTracking;
+  EXPECT_EQ(tracked, 0);
+  EXPECT_EQ(localizer.state(), LocalizerState::kLost);
+}
+
+TEST_F(LiveLocalizerTest, RestCostsNothing) {
+  Parameters params = alone();
+  params.tracking.update_min_d = 0.05;
+  LiveLocalizer localizer = begun(params);
+  localizer.process(input(0, here_));
+  LiveInput doubted = input(0.1, elsewhere_);
+  doubted.force_update = true;
+  EXPECT_EQ(localizer.process(doubted).state, LocalizerState::kDegraded);
+  double time = 0.1;
+  for (int i = 0; i < 100; ++i) localizer.process(input(time += 0.1, here_));  // at rest
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+  doubted.time = time + 0.1;
+  EXPECT_EQ(localizer.process(doubted).state, LocalizerState::kDegraded);
+}
+
+TEST_F(LiveLocalizerTest, WithoutRefinementItTracks) {
+  Parameters params = alone();
+  params.refinement.enabled = false;
+  LiveLocalizer localizer = begun(params);
+  LiveResult result;
+  for (int i = 0; i < 20; ++i) result = localizer.process(input(0.1 * i, here_));
+  EXPECT_EQ(result.state, LocalizerState::kTracking);
+  EXPECT_GT(result.match_ratio, 0.6);  // of the true pose: all but what is seen end-on
+}
+
+TEST_F(LiveLocalizerTest, InTheDarkDepthIsProofEnough) {
+  Parameters params = alone();
+  params.likelihood.cues = Cues::kBoth;
+  LiveLocalizer localizer(std::make_shared<LocalizationMap>(test::furnishedRooms(), params));
+  localizer.setPose(around(kView, 0.35, 0.02));  // wide: has to prove itself
+  LiveInput::Depth depth;
+  depth.image.camera = camera_;
+  depth.image.depth = test::renderDepth(test::furnishedRooms(), camera_, kView);
+  depth.image.origin = "depth";
+  const cv::Mat dark(240, 320, CV_8U, cv::Scalar(0));
+  LiveResult result;
+  for (int i = 0; i < 30; ++i) {
+    LiveInput now = input(0.1 * i, dark);
+    now.depths = {depth};
+    result = localizer.process(now);
+  }
+  EXPECT_GT(result.report.depth_agreement, 0.9);
+  EXPECT_EQ(result.state, LocalizerState::kTracking) << result.problem;
+}
+
+TEST_F(LiveLocalizerTest, APoseThatWasJustGivenHoldsForTheSearchToo) {
+  const auto map = std::make_shared<LocalizationMap>(test::furnishedRooms(), quickSearch());
+  LiveLocalizer localizer(map);
+  localizer.setPose(around(kView, 0.02, 0.01));
+  localizer.process(input(0, here_));
+  // Carried away with the camera covered; where it is now is said before the next image.
+  localizer.setPose(around(kView, 0.4, 0.1));
+  Pose odometry = Pose::Identity();
+  odometry.translation().x() = 20;
+  const LiveResult result = localizer.process(input(60, here_, odometry));
+  const bool found = result.state == LocalizerState::kTracking || !result.clusters.empty();
+  EXPECT_TRUE(found);
+  for (const PoseCluster& cluster : result.clusters)
+    EXPECT_LT((cluster.pose.translation() - kView.translation()).norm(), 3);
+}
+
+TEST_F(LiveLocalizerTest, TwoCamerasThatSeeTheSameMakeNoLineWorthMore) {
+  for (const LikelihoodModel model : {LikelihoodModel::kRobust, LikelihoodModel::kPaper}) {
+    Parameters params;
+    params.likelihood.model = model;
+    const LocalizationMap map(test::furnishedRooms(), params);
+    const CameraView view{map.prepare(camera_, here_, {}, "image"), Pose::Identity(), 1, nullptr};
+    const PoseScore one = map.evaluate({view}, {kView}).front();
+    const PoseScore two = map.evaluate({view, view}, {kView}).front();
+    EXPECT_GT(one.line_count, 5);
+    EXPECT_NEAR(two.scorePerLine(), one.scorePerLine(), 1e-6 * std::abs(one.scorePerLine()));
+    EXPECT_NEAR(two.log_likelihood, 2 * one.log_likelihood, 1e-9 * std::abs(one.log_likelihood));
+  }
+}
+
+TEST_F(LiveLocalizerTest, APreparedImageIsItsOwn) {
+  const LocalizationMap map(test::furnishedRooms(), Parameters());
+  // As a message's bytes are, or the buffer of a camera's driver.
+  cv::Mat buffer = here_.channels() == 1 ? here_.clone() : cv::Mat();
+  if (buffer.empty()) cv::cvtColor(here_, buffer, cv::COLOR_BGR2GRAY);
+  const cv::Mat before = buffer.clone();
+  const cv::Mat wrapped(buffer.rows, buffer.cols, CV_8U, buffer.data, buffer.step);
+  const auto image = map.prepare(camera_, wrapped, {}, "image");
+  buffer.setTo(0);
+  EXPECT_EQ(cv::norm(image->edges.grey, before, cv::NORM_INF), 0);
+}
+
+TEST_F(LiveLocalizerTest, OverAGapTheVelocityIsThatOfAllItsTime) {
+  const LocalizationMap map(test::furnishedRooms(), alone());
+  FilterParameters params = map.params().filter;
+  PoseFilter filter(params, map.params().refinement);
+  filter.initialize(kView, 0.02, 0.01);
+  const Pose moved = kView * expSe3((Twist() << 0.25, 0, 0, 0, 0, 0).finished());
+  const auto viewOf = [&](const Pose& pose) {
+    const cv::Mat image = test::render(test::furnishedRooms(), camera_, pose, 1);
+    return CameraView{map.prepare(camera_, image, {}, "image"), Pose::Identity(), 1, nullptr};
+  };
+  filter.predictWithoutOdometry(0.1);
+  filter.update(map, {viewOf(kView)});
+  filter.predictWithoutOdometry(1, 10);  // as far as the filter looks ahead
+  for (int i = 0; i < 2; ++i) filter.update(map, {viewOf(moved)});
+  ASSERT_LT((filter.estimate().mean.translation() - moved.translation()).norm(), 0.03);
+  filter.predictWithoutOdometry(1);
+  // 2.5 cm/s; over one second it would have been 25.
+  EXPECT_LT((filter.estimate().mean.translation() - moved.translation()).norm(), 0.1);
+}
+
+TEST(BackendChoice, ADeviceThatCannotBeHadIsNoReasonToStop) {
+  const DeviceFactory busy = [](const auto&) -> std::unique_ptr<LikelihoodBackend> {
+    throw Error("all CUDA-capable devices are busy");
+  };
+  Parameters params;
+  params.likelihood.backend = BackendChoice::kAuto;
+  LocalizationMap map(test::furnishedRooms(), params);
+  const std::string before = map.backend().name();
+  chooseBackend(&map, busy);
+  EXPECT_EQ(map.backend().name(), before);
+  params.likelihood.backend = BackendChoice::kCuda;
+  LocalizationMap wanted(test::furnishedRooms(), params);
+  try {
+    chooseBackend(&wanted, busy);
+    FAIL() << "no error";
+  } catch (const ParameterError& e) {
+    EXPECT_NE(std::string(e.what()).find("busy"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace edge_mcl

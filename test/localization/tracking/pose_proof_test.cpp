@@ -1,0 +1,157 @@
+#include "edge_mcl/localization/tracking/pose_proof.h"
+#include "edge_mcl/localization/filter/motion_noise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace edge_mcl {
+namespace {
+
+/// A pose that is followed at ten images a second.
+class Followed : public testing::Test {
+ protected:
+  PoseGaussian at(double x) const {
+    PoseGaussian pose;
+    pose.mean.translation().x() = x;
+    pose.covariance = Matrix6::Identity() * 1e-4;
+    return pose;
+  }
+  /// An image 0.1 s later; the robot stands still by its odometry.
+  bool image(double x, bool confirmed = true, double lines = 20, double ratio = 0.9) {
+    proof_.move(Pose::Identity(), odometryNoise(Parameters().filter, Pose::Identity(), 0.1));
+    time_ += 0.1;
+    return proof_.weigh({time_, true, confirmed, ratio, lines}, at(x));
+  }
+  /// Images until it is trusted again, at most 100.
+  int imagesUntilTrusted(double x, double lines = 20, double ratio = 0.9) {
+    int count = 1;
+    while (!image(x, true, lines, ratio) && count < 100) ++count;
+    return count;
+  }
+
+  PoseProof proof_{Parameters()};
+  double time_ = 0;
+};
+
+TEST_F(Followed, EveryImageThatFitsIsEnough) {
+  proof_.begin(false);
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0.002 * i));  // 2 cm/s
+  EXPECT_FALSE(image(0.04, false));
+  EXPECT_TRUE(image(0.04));
+}
+
+TEST_F(Followed, ABadStartTakesASecond) {
+  proof_.begin(true);
+  // Ten intervals of 0.1 s, and one for rounding.
+  EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
+  EXPECT_TRUE(image(0));
+}
+
+TEST_F(Followed, WhatFittedBeforeAGapDoesNotCount) {
+  proof_.begin(true);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(image(0));
+  proof_.interrupt(false);
+  time_ += 10;
+  EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
+}
+
+TEST_F(Followed, ImagesJudgedByDepthAloneMakeLinesNoLessUsual) {
+  proof_.begin(false);
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0, true, 4, 0.7));
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0, true, 0, 1));
+  EXPECT_TRUE(image(0, true, 4, 0.7));
+}
+
+TEST_F(Followed, AfterTwoDoubtsOneImageIsChance) {
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  for (int i = 0; i < 2; ++i) EXPECT_FALSE(image(0, false));
+  EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
+}
+
+TEST_F(Followed, WhereItMayBeAnywhereFewLinesProveLittle) {
+  proof_.begin(false);
+  proof_.require(true);
+  EXPECT_NEAR(imagesUntilTrusted(0, 20), 11, 1);
+  proof_.begin(false);
+  proof_.require(false);
+  EXPECT_NEAR(imagesUntilTrusted(0, 6), 11, 1);
+  proof_.begin(false);
+  proof_.require(true);
+  EXPECT_NEAR(imagesUntilTrusted(0, 6), 63, 2);  // (15 / 6)^2 times a second
+  // Proven once, it is about known again.
+  for (int i = 0; i < 2; ++i) EXPECT_FALSE(image(0, false));
+  EXPECT_NEAR(imagesUntilTrusted(0, 6), 11, 1);
+}
+
+TEST_F(Followed, APoseWhereOdometryDidNotGoTakesASecond) {
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  EXPECT_FALSE(image(0, false));
+  // One image spoke against it, the next fits, but 1 m away.
+  EXPECT_NEAR(imagesUntilTrusted(1), 11, 1);
+  EXPECT_TRUE(image(1));
+  // Without an image between, too.
+  EXPECT_NEAR(imagesUntilTrusted(3), 11, 1);
+}
+
+TEST_F(Followed, AfterADoubtLessIsSuspect) {
+  // 0.2 m are 4 standard deviations of 5 cm: 16 of chi-square, between both limits.
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  EXPECT_TRUE(image(0.2));
+  EXPECT_FALSE(image(0.2, false));
+  EXPECT_FALSE(image(0));
+}
+
+TEST_F(Followed, APoseThatSlidesAgainstOdometryIsNotTrustedForLong) {
+  // 8 cm per image, while the image leaves it uncertain by 20 cm: each step alone is likely.
+  proof_.begin(false);
+  PoseGaussian pose = at(0);
+  EXPECT_TRUE(image(0));
+  int trusted = 0;
+  for (int i = 1; i <= 20; ++i) {
+    proof_.move(Pose::Identity(), odometryNoise(Parameters().filter, Pose::Identity(), 0.1));
+    time_ += 0.1;
+    pose.mean.translation().x() = 0.08 * i;
+    pose.covariance(0, 0) = 0.04;
+    trusted += proof_.weigh({time_, true, true, 0.9, 20}, pose) ? 1 : 0;
+  }
+  // From the first pose, of 1 cm, with 5 cm of tolerance and 1 cm of odometry per image, 0.35 m
+  // are farther than 40 of chi-square: five steps.
+  EXPECT_GE(trusted, 1);
+  EXPECT_LE(trusted, 5);
+}
+
+TEST_F(Followed, WhenSuddenlyLessIsSeenOfFewLinesItTakesLonger) {
+  proof_.begin(false);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(image(0, true, 4, 0.95));
+  EXPECT_TRUE(image(0, true, 4, 0.85));
+  EXPECT_FALSE(image(0, true, 4, 0.6));
+  // Of many lines it is no surprise.
+  proof_.begin(false);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(image(0, true, 20, 0.95));
+  EXPECT_TRUE(image(0, true, 20, 0.6));
+}
+
+TEST_F(Followed, ItMayMoveAsOdometrySays) {
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  Pose step = Pose::Identity();
+  step.translation().x() = 1;
+  proof_.move(step, odometryNoise(Parameters().filter, step, 0.1));
+  EXPECT_TRUE(image(1));
+}
+
+TEST_F(Followed, ItTakesLongerWithFewLinesAndWhereLessOfThemIsSeen) {
+  proof_.begin(true);
+  // A third of six lines: three times as long.
+  EXPECT_NEAR(imagesUntilTrusted(0, 2), 31, 1);
+  proof_.begin(true);
+  // Half of the 0.8 that are enough: four times as long.
+  EXPECT_NEAR(imagesUntilTrusted(0, 20, 0.4), 41, 1);
+}
+
+}  // namespace
+}  // namespace edge_mcl

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "edge_mcl/core/base/parameters.h"
+
+namespace edge_mcl {
+
+/// Smaller than the defaults, for a small building.
+inline Parameters quickSearch() {
+  Parameters params;
+  params.filter.particles = 300;
+  params.search.max_places = 1500;
+  params.search.refined = 1500;
+  params.search.hypotheses = 60;
+  return params;
+}
+
+}  // namespace edge_mcl
