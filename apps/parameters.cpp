@@ -1,10 +1,10 @@
-// edge-mcl parameters: every parameter with its value, unit and meaning, as YAML or Markdown.
+// edge-mcl parameters: every parameter with its value, unit, range and meaning.
 #include <cstdio>
 #include <memory>
 #include <string>
 
 #include "apps/common_options.h"
-#include "edge_mcl/core/base/parameter_text.h"
+#include "edge_mcl/core/base/parameter_struct.h"
 #include "edge_mcl/detector/detector_parameters.h"
 #include "edge_mcl/viewer/drawing/view_parameters.h"
 
@@ -12,50 +12,58 @@ namespace edge_mcl {
 
 namespace {
 
+constexpr const char* kTableHead =
+    "\n| name | default | unit | range | meaning |\n|---|---|---|---|---|\n";
+
 std::string cell(std::string text) {
   for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
     text.replace(at, 1, "\\|");
   return text;
 }
 
-/// Of the localizer: group by group.
+std::string rowOf(const ParameterDescription& d) {
+  return "| `" + d.name + "` | " + cell(d.value) + " | " + d.unit + " | " + cell(d.range) + " | " +
+         cell(d.text) + " |\n";
+}
+
+/// The method's parameters, one table per group.
 std::string methodTables(const Parameters& params) {
   std::string text, group;
-  for (const Parameters::Description& d : params.describe()) {
+  for (const ParameterDescription& d : describeParameters(params)) {
     const auto dot = d.name.find('.');
     if (d.name.substr(0, dot) != group) {
       group = d.name.substr(0, dot);
-      text += "\n## " + group + "\n\n| | default | unit | |\n|---|---|---|---|\n";
+      text += "\n## " + group + "\n" + kTableHead;
     }
-    text +=
-        "| `" + d.name + "` | " + cell(d.value) + " | " + d.unit + " | " + cell(d.text) + " |\n";
+    text += rowOf(d);
   }
   return text;
 }
 
 template <class Struct>
-std::string nameTable(Struct params) {
-  std::string text = "\n| | default |\n|---|---|\n";
-  params.visit([&](const char* name, auto& value) {
-    text += std::string("| `") + name + "` | " + cell(parameter_text::toText(value)) + " |\n";
-  });
+std::string tableOf(const Struct& params) {
+  std::string text = kTableHead;
+  for (const ParameterDescription& d : describeParameters(params)) text += rowOf(d);
   return text;
 }
 
 std::string toMarkdown(const Parameters& params) {
   return "# Parameters\n\n"
-         "Made by `edge-mcl parameters --markdown`. The same names hold in YAML (`--params FILE`), "
-         "on the command\nline (`--set group.name=value`), as ROS parameters "
-         "(`~group/name`), and in MRPT's ini files (section\n`..._creationOpts` of the map, key "
-         "`group.name`). A name that is not known is "
-         "an error.\n" +
+         "`edge-mcl parameters --markdown` writes this page. A parameter has the same name "
+         "everywhere:\n\n"
+         "* in a YAML file (`--params FILE`): `group: {name: value}`\n"
+         "* on the command line: `--set group.name=value`\n"
+         "* as a ROS parameter: `~group/name`\n"
+         "* in an ini file of MRPT: key `group.name` in the section `..._creationOpts` of the "
+         "map\n\n"
+         "An unknown name is an error.\n" +
          methodTables(params) +
-         "\n## Viewer\n\n`edge-mcl view --show name=value`, `edge_mcl_viewer`'s `~name`; what they "
-         "mean: `viewer.md`.\n" +
-         nameTable(ViewParameters()) +
-         "\n## Detector\n\n`edge-mcl detect --set name=value`, `edge_mcl_detector`'s `~name`; what "
-         "they mean: `detector.md`.\n" +
-         nameTable(DetectorParameters());
+         "\n## Viewer\n\nOptions `edge-mcl view --show name=value` and parameters `~name` of "
+         "`edge_mcl_viewer`.\n" +
+         tableOf(ViewParameters()) +
+         "\n## Detector\n\nOptions `edge-mcl detect --set name=value` and parameters `~name` of "
+         "`edge_mcl_detector`.\n" +
+         tableOf(DetectorParameters());
 }
 
 }  // namespace
@@ -66,7 +74,8 @@ void addParameters(CLI::App* app, Action* action) {
   CLI::App* c = app->add_subcommand("parameters",
                                     "print all parameters as a commented YAML file for --params");
   o->addTo(c);
-  c->add_flag("--markdown", *markdown, "as tables, with those of viewer and detector");
+  c->add_flag("--markdown", *markdown,
+              "print tables instead, with the parameters of viewer and detector");
   c->callback([o, markdown, action] {
     *action = [o, markdown] {
       const Parameters params = o->load();

@@ -1,46 +1,58 @@
-/// What the user decides about detection; the network's own facts are in DetectorModel.
+/// Parameters of the detection. The facts about a network are in DetectorModel.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "edge_mcl/core/base/parameter_range.h"
+
 namespace edge_mcl {
 
+/// Functions of parameter_struct.h apply.
 struct DetectorParameters {
-  std::string ignore_classes;    ///< comma separated; empty: those the model calls movable
-  double score_threshold = 0;    ///< 0 to 1; 0: the model's own
-  double nms_threshold = 0.45;   ///< boxes that overlap by more are one
-  double min_area = 0.0005;      ///< share of the image; smaller objects are left out
-  int dilation = 3;              ///< px of an image 320 wide, in proportion for others
-  double dilation_growth = 2;    ///< the same, per second since the network last saw the object
-  double half_life = 1.5;        ///< s in which the confidence of what is not seen anew halves
-  double min_confidence = 0.15;  ///< below it an object is no longer masked
-  int max_misses = 2;            ///< runs of the network without it that end an object
-  double memory = 20;            ///< s for which a lost object keeps its number
-  int points = 40;               ///< corners that are followed per object
-  int threads = 0;               ///< of all of OpenCV in this process; 0: all
+  std::string ignore_classes;
+  double score_threshold = 0;
+  double nms_threshold = 0.45;
+  double min_area = 0.0005;
+  int dilation = 3;
+  double dilation_growth = 2;
+  double half_life = 1.5;
+  double min_confidence = 0.15;
+  int max_misses = 2;
+  double memory = 20;
+  int points = 40;
+  int threads = 0;
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("ignore_classes", ignore_classes);
-    v("score_threshold", score_threshold);
-    v("nms_threshold", nms_threshold);
-    v("min_area", min_area);
-    v("dilation", dilation);
-    v("dilation_growth", dilation_growth);
-    v("half_life", half_life);
-    v("min_confidence", min_confidence);
-    v("max_misses", max_misses);
-    v("memory", memory);
-    v("points", points);
-    v("threads", threads);
+    v("ignore_classes", ignore_classes, "", anyValue(),
+      "classes that are masked, separated by commas; empty: those that the model calls movable");
+    v("score_threshold", score_threshold, "", below(0, 1),
+      "detections with a lower score are dropped; 0 = the model's own threshold");
+    v("nms_threshold", nms_threshold, "", above(0, 1),
+      "boxes whose overlap (intersection over union) is larger are one object");
+    v("min_area", min_area, "", below(0, 1),
+      "objects smaller than this share of the image are dropped");
+    v("dilation", dilation, "px", from(0, 100),
+      "growth of the mask in an image 320 pixels wide; it scales with the width");
+    v("dilation_growth", dilation_growth, "px/s", from(0, 100),
+      "further growth per second since the network last saw the object");
+    v("half_life", half_life, "s", positive(),
+      "time in which the confidence of an object that is not seen again halves");
+    v("min_confidence", min_confidence, "", below(0, 1),
+      "an object with a lower confidence is not masked");
+    v("max_misses", max_misses, "", from(1, 1000),
+      "an object ends when this many runs of the network in a row did not find it");
+    v("memory", memory, "s", notNegative(), "time for which an object that ended keeps its number");
+    v("points", points, "", from(4, 1000), "image corners that are followed per object");
+    v("threads", threads, "", from(0, 1024),
+      "threads of OpenCV in the whole process; 0 = all cores");
   }
 
-  /// What is wrong with the values, one text each.
-  std::vector<std::string> faults() const;
-  /// @throws ParameterError listing all faults.
+  /// @throws ParameterError that lists all faults
   void validate() const;
-  /// From text. @throws ParameterError for an unknown name (naming the nearest) or a wrong value.
+  /// Sets a parameter from text. @throws ParameterError for an unknown name (with the nearest known
+  /// one) or a value of the wrong type
   void set(const std::string& name, const std::string& value);
 };
 

@@ -6,7 +6,7 @@
 
 namespace edge_mcl {
 
-/// Base of everything that edge_mcl throws on purpose.
+/// Base class of all exceptions that edge_mcl throws on purpose.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -19,7 +19,7 @@ class InputError : public Error {
   using Error::Error;
 };
 
-/// A parameter is unknown, has the wrong type or an illegal value. The text lists all faults.
+/// A parameter is unknown, has the wrong type or has an illegal value. The text lists all faults.
 class ParameterError : public Error {
  public:
   using Error::Error;

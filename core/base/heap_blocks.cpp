@@ -6,7 +6,7 @@ namespace edge_mcl {
 
 void giveLargeBlocksBack() {
 #ifdef __GLIBC__
-  // Setting it ends the threshold's own growth up to 32 MB, too.
+  // A fixed threshold also ends its automatic growth up to 32 MB.
   mallopt(M_MMAP_THRESHOLD, 256 * 1024);
   mallopt(M_TRIM_THRESHOLD, 4 * 1024 * 1024);
 #endif

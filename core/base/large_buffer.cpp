@@ -22,6 +22,7 @@ size_t roundedUp(size_t bytes) {
   return (bytes + alignment - 1) / alignment * alignment;
 }
 
+/// Blocks that were given back, oldest first.
 struct Store {
   static constexpr size_t kMost = 16;
   struct Block {
@@ -32,7 +33,7 @@ struct Store {
   std::vector<Block> blocks;
 };
 
-/// Never destroyed: buffers may be given back while the program ends.
+/// The store is never destroyed, because buffers may be given back while the program ends.
 Store& store() {
   static Store* const kStore = new Store;
   return *kStore;

@@ -7,15 +7,17 @@
 
 namespace edge_mcl {
 
-/// Memory from a store of blocks that were given back; at most 16 of them wait there. Thread-safe.
-/// @throws std::bad_alloc
+/// Returns a block of memory. It comes from a store of blocks that were given back, if one there
+/// has the right size. The store keeps at most 16 blocks. Thread-safe.
+/// @throws std::bad_alloc when memory runs out.
 void* takeLargeBlock(size_t bytes);
+/// Gives a block back to the store. Thread-safe. @param bytes as for takeLargeBlock().
 void giveLargeBlock(void* block, size_t bytes);
 
-/// Fixed-size array of numbers, not initialised. Large ones are put on huge pages where the system
-/// has them: tables are made anew for every image and read at random, and with small pages the
-/// faults and misses of the address translation cost a fifth of the time. For the same reason the
-/// memory is used again instead of being returned to the system.
+/// Fixed-size array of numbers, not initialised. Large arrays lie on huge pages where the system
+/// has them. The tables in them are made anew for every image and read at random. With small pages,
+/// page faults and misses of the address translation cost a fifth of the time. For this reason the
+/// memory is also used again instead of being returned to the system.
 template <class T>
 class LargeBuffer {
   static_assert(std::is_trivial_v<T>, "the memory is not initialised");

@@ -1,16 +1,17 @@
-/// Sums of a Gauss-Newton step.
+/// Normal equations of a Gauss-Newton step.
 #pragma once
 
 #include "edge_mcl/core/base/se3.h"
 
 namespace edge_mcl {
 
-/// h xi = g. Edge samples and depth points are counted apart.
+/// Normal equations h xi = g, as sums over edge samples and depth points. Matched and used ones are
+/// counted separately.
 struct NormalEquations {
   Matrix6 h = Matrix6::Zero();
   Twist g = Twist::Zero();
-  int matched = 0, used = 0;                ///< edge samples
-  int matched_points = 0, used_points = 0;  ///< of depth images
+  int matched = 0, used = 0;                ///< number of edge samples
+  int matched_points = 0, used_points = 0;  ///< number of depth points
 
   NormalEquations& operator+=(const NormalEquations& other) {
     h += other.h;

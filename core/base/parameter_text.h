@@ -6,6 +6,7 @@
 #include <string>
 #include <type_traits>
 
+#include "edge_mcl/core/base/parameter_range.h"
 #include "edge_mcl/core/base/parameters.h"
 
 namespace edge_mcl::parameter_text {
@@ -79,5 +80,14 @@ inline const char* typeName(bool) { return "true or false"; }
 inline const char* typeName(BackendChoice) { return "auto, cpu or cuda"; }
 inline const char* typeName(Cues) { return "edges, depth or both"; }
 inline const char* typeName(LikelihoodModel) { return "paper or robust"; }
+
+/// What may stand there, for tables: the range of a number or the words that are allowed.
+template <class Value>
+std::string rangeText(const Value& value, const Range& range) {
+  constexpr bool is_number = std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>;
+  if constexpr (is_number) return range.text();
+  if (*range.words != 0) return range.text();
+  return typeName(value);
+}
 
 }  // namespace edge_mcl::parameter_text

@@ -9,16 +9,16 @@
 
 namespace edge_mcl {
 
-/// std::mt19937_64 is fully specified, the distributions of the standard library are not; so the
-/// distributions are here.
+/// Random numbers from a seed. std::mt19937_64 is fully specified, but the distributions of the
+/// standard library are not. So the distributions are implemented here.
 class RandomSource {
  public:
   explicit RandomSource(uint64_t seed) : engine_(seed) {}
 
-  /// In [0, 1).
+  /// Uniform number in [0, 1).
   double uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
 
-  /// Standard normal, Marsaglia's polar method.
+  /// Standard normal number, by Marsaglia's polar method.
   double normal() {
     if (has_spare_) {
       has_spare_ = false;
@@ -36,13 +36,14 @@ class RandomSource {
     return u * factor;
   }
 
+  /// Six independent standard normal numbers.
   Twist normalTwist() {
     Twist xi;
     for (int i = 0; i < 6; ++i) xi[i] = normal();
     return xi;
   }
 
-  /// Uniform on the unit sphere.
+  /// Unit vector with a uniform distribution on the sphere.
   Eigen::Vector3d direction() {
     Eigen::Vector3d d;
     do d = Eigen::Vector3d(normal(), normal(), normal());

@@ -102,16 +102,17 @@ double rotationAngle(const Pose& a, const Pose& b) {
 
 PoseGaussian meanAndCovariance(const std::vector<Pose>& poses, const std::vector<double>& weights) {
   if (poses.empty() || poses.size() != weights.size())
-    throw Error("mean of poses: no poses, or a different number of weights");
+    throw Error("mean of poses: there are no poses, or the number of weights differs");
   double sum = 0;
   size_t heaviest = 0;
   for (size_t i = 0; i < weights.size(); ++i) {
     sum += weights[i];
     if (weights[i] > weights[heaviest]) heaviest = i;
   }
-  if (!(sum > 0) || !std::isfinite(sum)) throw Error("mean of poses: the weights sum to nothing");
+  if (!(sum > 0) || !std::isfinite(sum))
+    throw Error("mean of poses: the sum of the weights is not positive and finite");
 
-  // Moments about a guess of the mean, in pieces of fixed size: the same bits on any number of
+  // Moments about a guess of the mean. Pieces of fixed size give the same bits for any number of
   // threads.
   struct Moments {
     Twist first = Twist::Zero();
@@ -143,7 +144,7 @@ PoseGaussian meanAndCovariance(const std::vector<Pose>& poses, const std::vector
   for (int iteration = 0; iteration < 20; ++iteration) {
     const Moments moments = momentsAbout(result.mean);
     result.covariance = moments.second;
-    if (moments.first.norm() < 1e-9) break;  // a nanometre: this guess is the mean
+    if (moments.first.norm() < 1e-9) break;  // less than a nanometre: this guess is the mean
     result.mean = normalized(result.mean * expSe3(moments.first));
   }
   return result;
@@ -161,7 +162,7 @@ Matrix6 blockRotation(const Eigen::Matrix3d& r) {
 }  // namespace
 
 Matrix6 covarianceInMapAxes(const PoseGaussian& gaussian) {
-  // To first order T*exp(xi) moves the origin by R*v and turns it by R*w seen from the map.
+  // To first order T*exp(xi) moves the origin by R*v and turns it by R*w, both in map axes.
   const Matrix6 m = blockRotation(gaussian.mean.linear());
   return m * gaussian.covariance * m.transpose();
 }

@@ -12,50 +12,58 @@
 
 namespace edge_mcl {
 
+/// Rigid-body pose, metres.
 using Pose = Eigen::Isometry3d;
 /// Tangent vector of SE(3): metres, radians.
 using Twist = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// Matrix of the cross product: skew(v) * u = v x u.
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
+/// Rotation matrix of a rotation vector, radians.
 Eigen::Matrix3d expSo3(const Eigen::Vector3d& rotation_vector);
-/// Rotation vector of length at most pi.
+/// Rotation vector of a rotation matrix, radians. Its length is at most pi.
 Eigen::Vector3d logSo3(const Eigen::Matrix3d& rotation);
+/// Pose of a tangent vector.
 Pose expSe3(const Twist& xi);
+/// Tangent vector of a pose, the inverse of expSe3().
 Twist logSe3(const Pose& pose);
-/// Adjoint: `T * exp(xi) == exp(adjoint(T) * xi) * T`.
+/// Adjoint of a pose: `T * exp(xi) == exp(adjoint(T) * xi) * T`.
 Matrix6 adjoint(const Pose& pose);
 
 /// Rotation about the fixed axes x, y, z in this order (REP 103), radians.
 Eigen::Matrix3d rotationFromAngles(double roll, double pitch, double yaw);
 
-/// False when any entry is not finite or the rotation is not orthonormal to 1e-6.
+/// Whether a pose is finite and its rotation is right-handed and orthonormal to 1e-6.
 bool isValid(const Pose& pose);
-/// Puts the rotation part back onto SO(3) after many compositions.
+/// Makes the rotation part orthonormal again, after many compositions.
 Pose normalized(const Pose& pose);
-/// Angle of the relative rotation, radians.
+/// Angle of the relative rotation between two poses, radians.
 double rotationAngle(const Pose& a, const Pose& b);
 
-/// Gaussian on SE(3): `mean * exp(xi)`, xi ~ N(0, covariance).
+/// Gaussian on SE(3): `mean * exp(xi)` with xi ~ N(0, covariance).
 struct PoseGaussian {
   Pose mean = Pose::Identity();
   Matrix6 covariance = Matrix6::Zero();
 };
 
-/// Weighted intrinsic mean (fixed point of `mean * exp(sum w_i log(mean^-1 T_i))`) and covariance
-/// in the tangent space at the mean. The start is the heaviest pose.
-/// @param weights non-negative, any positive sum. @throws Error on empty input or zero sum.
+/// Weighted intrinsic mean of poses, and their covariance in the tangent space at the mean. The
+/// mean is the fixed point of `mean * exp(sum w_i log(mean^-1 T_i))`. The iteration starts at the
+/// pose with the largest weight.
+/// @param weights one for every pose, non-negative, with any positive sum.
+/// @throws Error when there are no poses, the number of weights differs, or their sum is not
+///   positive and finite.
 PoseGaussian meanAndCovariance(const std::vector<Pose>& poses, const std::vector<double>& weights);
 
-/// The same Gaussian as mean and covariance of (x, y, z, rotation vector) in map axes:
-/// translation added in the map, rotation multiplied from the left. This is the order and the
-/// frame of a ROS PoseWithCovariance (fixed-axis rotations, first order).
+/// Covariance of a Gaussian for (x, y, z, rotation vector) in map axes: translation is added in the
+/// map, and rotation is multiplied from the left. This is the order and the frame of a ROS
+/// PoseWithCovariance (fixed-axis rotations, first order).
 Matrix6 covarianceInMapAxes(const PoseGaussian& gaussian);
-/// Inverse of covarianceInMapAxes.
+/// Inverse of covarianceInMapAxes().
 Matrix6 covarianceFromMapAxes(const Pose& mean, const Matrix6& covariance_map_axes);
 
-/// The optical frame (x right, y down, z forward) on a robot whose base has x forward, y left, z up
-/// (REP 103).
+/// Pose of an optical frame that looks forward (x right, y down, z forward), on a base with x
+/// forward, y left, z up (REP 103).
 Pose opticalOnBody();
 
 }  // namespace edge_mcl

@@ -7,7 +7,7 @@
 
 namespace edge_mcl {
 
-/// @throws InputError when the file cannot be read or is not YAML.
+/// Reads a YAML file. @throws InputError when the file cannot be read or is not YAML.
 YAML::Node loadYamlFile(const std::string& file);
 
 }  // namespace edge_mcl

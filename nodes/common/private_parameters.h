@@ -1,48 +1,40 @@
-/// A plain struct of parameters from a node's private namespace.
+/// Parameters from a node's private namespace.
 #pragma once
 
+#include <ros/node_handle.h>
+
+#include <map>
 #include <string>
 #include <vector>
 
-#include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/base/parameter_text.h"
-#include "edge_mcl/nodes/localizer/node_parameters.h"
+#include "edge_mcl/core/base/parameter_struct.h"
 
 namespace edge_mcl {
 
-/// Reads what is set into a struct with `visit(v)`, which calls v(name, field), and
-/// `faults()`, which returns what is wrong with the values, one text each.
-/// @throws ParameterError listing every unknown name with the nearest known one, every value of the
-/// wrong type and every fault.
+/// All parameters of a private namespace, as text. The elements of a list are separated by commas.
+std::map<std::string, std::string> readPrivateParameters(const ros::NodeHandle& private_nh);
+
+/// True for names that other libraries (image_transport, diagnostics) read from the same namespace.
+bool isForeignParameter(const std::string& name);
+
+/// Reads what is set into a parameter struct (see parameter_struct.h).
+/// @throws ParameterError that lists every unknown name with the nearest known one, every value of
+/// the wrong type and every fault
 template <class Struct>
 Struct readParameterStruct(const ros::NodeHandle& private_nh) {
   Struct params;
   std::vector<std::string> faults;
   for (const auto& [name, value] : readPrivateParameters(private_nh)) {
     if (isForeignParameter(name)) continue;
-    bool known = false;
-    std::vector<std::string> names;
-    params.visit([&, &wanted = name, &text = value](const char* field_name, auto& field) {
-      names.emplace_back(field_name);
-      if (wanted != field_name) return;
-      known = true;
-      if (!parameter_text::fromText(text, &field))
-        faults.emplace_back("parameter '~")
-            .append(wanted)
-            .append("': '")
-            .append(text)
-            .append("' is not ")
-            .append(parameter_text::typeName(field));
-    });
-    if (!known)
-      faults.push_back("unknown parameter '~" + name + "' (nearest: '~" + nearestName(name, names) +
-                       "')");
+    const std::optional<std::string> fault = trySetParameter(name, value, &params);
+    if (!fault)
+      faults.push_back(unknownParameter(name, parameterNames(params), "~"));
+    else if (!fault->empty())
+      faults.push_back(*fault);
   }
-  for (std::string& fault : params.faults()) faults.push_back(std::move(fault));
-  if (faults.empty()) return params;
-  std::string all = faults.front();
-  for (size_t i = 1; i < faults.size(); ++i) all += "; " + faults[i];
-  throw ParameterError(all);
+  for (std::string& fault : parameterFaults(params)) faults.push_back(std::move(fault));
+  throwFaults(faults);
+  return params;
 }
 
 }  // namespace edge_mcl

@@ -1,8 +1,6 @@
 /// Parameters of the localizer node, on top of those of the method.
 #pragma once
 
-#include <ros/node_handle.h>
-
 #include <map>
 #include <string>
 #include <vector>
@@ -13,7 +11,8 @@
 
 namespace edge_mcl {
 
-/// Names as amcl has them, where amcl has them.
+/// Where amcl has a parameter of the same meaning, the name is amcl's. Functions of
+/// parameter_struct.h apply.
 struct NodeParameters {
   std::string model_file;
   std::string cameras;
@@ -45,71 +44,80 @@ struct NodeParameters {
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("model_file", model_file, "", "the building: OBJ, PLY, DAE, IFC, ...");
-    v("cameras", cameras, "",
-      "names of the cameras, list or with commas; each has topics NAME/image, NAME/camera_info, "
-      "NAME/mask, NAME/depth, NAME/depth/camera_info; empty: one camera, image, camera_info, ...");
-    v("global_frame_id", global_frame_id, "", "frame of the model");
-    v("odom_frame_id", odom_frame_id, "", "frame of the odometry");
-    v("base_frame_id", base_frame_id, "", "frame of the robot");
-    v("odometry", odometry, "", "tf, topic (nav_msgs/Odometry on odom) or none");
-    v("tf_broadcast", tf_broadcast, "", "publish global frame -> odometry frame (or -> base)");
-    v("transform_tolerance", transform_tolerance, "s", "how long a published transform holds");
-    v("transform_timeout", transform_timeout, "s", "how long odometry is awaited for an image");
-    v("camera_timeout", camera_timeout, "s",
-      "how long the other cameras' images of a moment are awaited");
-    v("camera_window", camera_window, "s", "images of several cameras this close are one moment");
-    v("use_masks", use_masks, "", "wait for masks from a detector");
-    v("mask_timeout", mask_timeout, "s", "how long the mask of an image is awaited");
-    v("mask_policy", mask_policy, "",
-      "without a mask in time: unmasked, skip_update, or use_last (turned with the camera)");
-    v("depth_timeout", depth_timeout, "s", "how long the depth image of an image is awaited");
-    v("depth_window", depth_window, "s", "an image and a depth image this close are one moment");
-    v("global_start", global_start, "", "without an initial pose: look for it in the whole model");
-    v("search_in_background", search_in_background, "",
-      "use images while the pose is looked for; false: each search waits, images are dropped");
-    v("use_imu", use_imu, "", "roll and pitch from the orientation in sensor_msgs/Imu on imu");
-    v("imu_sigma", imu_sigma, "rad", "their standard deviation");
-    v("max_cloud_poses", max_cloud_poses, "", "poses in particlecloud at most");
-    v("save_pose_rate", save_pose_rate, "Hz",
-      "how often the pose is stored in initial_pose_*; 0 = never");
-    v("update_min_d", update_min_d, "m", "motion before images are used again; 0 = all are used");
-    v("update_min_a", update_min_a, "rad", "likewise, rotation");
-    v("recovery_alpha_slow", recovery_alpha_slow, "", "as filter/recovery_alpha_slow");
-    v("recovery_alpha_fast", recovery_alpha_fast, "", "as filter/recovery_alpha_fast");
-    v("initial_pose_x", initial_pose_x, "m",
-      "where to begin; without any of these, wait for initialpose");
-    v("initial_pose_y", initial_pose_y, "m", "");
-    v("initial_pose_z", initial_pose_z, "m", "");
-    v("initial_pose_roll", initial_pose_roll, "rad", "");
-    v("initial_pose_pitch", initial_pose_pitch, "rad", "");
-    v("initial_pose_a", initial_pose_a, "rad", "yaw");
-    v("initial_cov_xx", initial_cov_xx, "m^2", "variances of the initial pose");
-    v("initial_cov_yy", initial_cov_yy, "m^2", "");
-    v("initial_cov_zz", initial_cov_zz, "m^2", "");
-    v("initial_cov_rr", initial_cov_rr, "rad^2", "");
-    v("initial_cov_pp", initial_cov_pp, "rad^2", "");
-    v("initial_cov_aa", initial_cov_aa, "rad^2", "");
+    v("model_file", model_file, "", anyValue(), "model of the building: OBJ, PLY, DAE, IFC, ...");
+    v("cameras", cameras, "", anyValue(),
+      "names of the cameras, as a list or separated by commas; each has the topics NAME/image, "
+      "NAME/camera_info, NAME/mask, NAME/depth, NAME/depth/camera_info; empty: one camera, whose "
+      "topics have no prefix");
+    v("global_frame_id", global_frame_id, "", anyValue(), "frame of the model");
+    v("odom_frame_id", odom_frame_id, "", anyValue(), "frame of the odometry");
+    v("base_frame_id", base_frame_id, "", anyValue(), "frame of the robot");
+    v("odometry", odometry, "", oneOf("tf|topic|none"),
+      "source of odometry; topic = nav_msgs/Odometry on odom");
+    v("tf_broadcast", tf_broadcast, "", anyValue(),
+      "the transform global frame -> odometry frame (without odometry -> base) is published");
+    v("transform_tolerance", transform_tolerance, "s", notNegative(),
+      "time for which a published transform is valid");
+    v("transform_timeout", transform_timeout, "s", notNegative(),
+      "time for which an image waits for odometry");
+    v("camera_timeout", camera_timeout, "s", notNegative(),
+      "time for which an image waits for the images of the other cameras");
+    v("camera_window", camera_window, "s", notNegative(),
+      "images of several cameras belong together when their stamps differ by at most this");
+    v("use_masks", use_masks, "", anyValue(), "an image waits for its mask from a detector");
+    v("mask_timeout", mask_timeout, "s", notNegative(),
+      "time for which an image waits for its mask");
+    v("mask_policy", mask_policy, "", oneOf("unmasked|skip_update|use_last"),
+      "what happens when no mask comes in time; use_last = the last mask, turned with the camera");
+    v("depth_timeout", depth_timeout, "s", notNegative(),
+      "time for which an image waits for its depth image");
+    v("depth_window", depth_window, "s", notNegative(),
+      "an image and a depth image belong together when their stamps differ by at most this");
+    v("global_start", global_start, "", anyValue(),
+      "without an initial pose, the pose is searched in the whole model");
+    v("search_in_background", search_in_background, "", anyValue(),
+      "images are used during a search; false: images that come during a search are dropped");
+    v("use_imu", use_imu, "", anyValue(), "roll and pitch come from sensor_msgs/Imu on imu");
+    v("imu_sigma", imu_sigma, "rad", positive(), "standard deviation of that roll and pitch");
+    v("max_cloud_poses", max_cloud_poses, "", atLeast(1),
+      "largest number of poses in particlecloud");
+    v("save_pose_rate", save_pose_rate, "Hz", notNegative(),
+      "rate at which the pose is stored in initial_pose_*; 0 = never");
+    v("update_min_d", update_min_d, "m", notNegative(),
+      "motion after which the next image is used; 0 = every image is used");
+    v("update_min_a", update_min_a, "rad", notNegative(),
+      "rotation after which the next image is used; 0 = every image is used");
+    v("recovery_alpha_slow", recovery_alpha_slow, "", from(0, 1),
+      "same as filter/recovery_alpha_slow");
+    v("recovery_alpha_fast", recovery_alpha_fast, "", from(0, 1),
+      "same as filter/recovery_alpha_fast");
+    v("initial_pose_x", initial_pose_x, "m", anyValue(),
+      "initial position; when no initial_pose_* is set, the node waits for initialpose");
+    v("initial_pose_y", initial_pose_y, "m", anyValue(), "initial position");
+    v("initial_pose_z", initial_pose_z, "m", anyValue(), "initial position");
+    v("initial_pose_roll", initial_pose_roll, "rad", anyValue(), "initial roll");
+    v("initial_pose_pitch", initial_pose_pitch, "rad", anyValue(), "initial pitch");
+    v("initial_pose_a", initial_pose_a, "rad", anyValue(), "initial yaw");
+    v("initial_cov_xx", initial_cov_xx, "m^2", notNegative(), "variance of the initial x");
+    v("initial_cov_yy", initial_cov_yy, "m^2", notNegative(), "variance of the initial y");
+    v("initial_cov_zz", initial_cov_zz, "m^2", notNegative(), "variance of the initial z");
+    v("initial_cov_rr", initial_cov_rr, "rad^2", notNegative(), "variance of the initial roll");
+    v("initial_cov_pp", initial_cov_pp, "rad^2", notNegative(), "variance of the initial pitch");
+    v("initial_cov_aa", initial_cov_aa, "rad^2", notNegative(), "variance of the initial yaw");
   }
 
-  /// @throws ParameterError listing all faults.
-  void validate() const;
+  /// Faults that ranges do not tell, one text each.
+  std::vector<std::string> faults() const;
   /// T_map_base.
   PoseGaussian initialPose() const;
-  /// Empty name for the single camera.
+  /// The single camera has an empty name.
   std::vector<std::string> cameraNames() const;
 };
 
-/// Both kinds of parameters from `name: value`, the method's as `group/name`.
-/// @throws ParameterError listing every unknown name with the nearest known one, and every illegal
-/// value.
+/// Sets the parameters of the node and those of the method (`group/name`) from `name: value`.
+/// @throws ParameterError that lists every unknown name with the nearest known one and every
+/// illegal value
 void applyParameters(const std::map<std::string, std::string>& values, NodeParameters* node,
                      Parameters* method);
-
-/// All parameters of a private namespace, as text.
-std::map<std::string, std::string> readPrivateParameters(const ros::NodeHandle& private_nh);
-
-/// Names that other libraries read from the same namespace.
-bool isForeignParameter(const std::string& name);
 
 }  // namespace edge_mcl

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/base/parameter_struct.h"
 
 namespace edge_mcl {
 namespace {
@@ -21,7 +22,8 @@ std::string messageOf(const std::function<void()>& f) {
 TEST(Parameters, DefaultsAreLegalAndDescribed) {
   const Parameters params;
   params.validate();
-  for (const auto& d : params.describe()) EXPECT_FALSE(d.text.empty()) << d.name;
+  for (const ParameterDescription& d : describeParameters(params))
+    EXPECT_FALSE(d.text.empty()) << d.name;
 }
 
 TEST(Parameters, AnUnknownNameNamesTheNearestOne) {
@@ -32,10 +34,13 @@ TEST(Parameters, AnUnknownNameNamesTheNearestOne) {
 
 TEST(Parameters, WhatWouldStopTheFilterOrTheSearchIsRefused) {
   Parameters params;
-  params.search.min_keyframes = params.search.window = 1;  // nothing to follow from
+  // With a window of one keyframe no earlier keyframe is left to follow hypotheses from.
+  params.search.min_keyframes = params.search.window = 1;
   EXPECT_NE(messageOf([&] { params.validate(); }).find("search.window"), std::string::npos);
   params.search.window = 2;
-  // With refinement particles are always resampled; without, tempering would end below this.
+  // With refinement, particles are resampled after every image, so every threshold is legal.
+  // Without refinement, tempering leaves ESS/N at filter.ess_floor. With a threshold below it,
+  // particles would never be resampled.
   params.filter.resample_threshold = 0.05;
   params.validate();
   params.refinement.enabled = false;
@@ -53,6 +58,7 @@ TEST(Parameters, ValidateListsAllFaultsAtOnce) {
     EXPECT_NE(text.find(name), std::string::npos) << text;
 }
 
+/// Printed parameters are read back without change. The faults of a file name the parameters.
 TEST(Parameters, YamlRoundTripAndErrors) {
   const std::string file = testing::TempDir() + "params.yaml";
   Parameters params;

@@ -8,6 +8,7 @@
 namespace edge_mcl {
 namespace {
 
+/// Rotations are limited to 3 rad, because the logarithm is unique below pi only.
 TEST(Se3, LogIsTheInverseOfExp) {
   RandomSource random(1);
   for (int i = 0; i < 1000; ++i) {
@@ -20,7 +21,8 @@ TEST(Se3, LogIsTheInverseOfExp) {
 }
 
 TEST(Se3, ExpOfAScrewAgreesWithItsClosedForm) {
-  // A quarter turn about z with pitch: (x, y) moves on a circle of radius 1.
+  // The twist is a quarter turn about z with a rise of 0.7 m. The point moves on a circle of radius
+  // 1 in x and y, so its end is (1, 1, 0.7).
   Twist xi;
   xi << M_PI / 2, 0, 0.7, 0, 0, M_PI / 2;
   const Pose pose = expSe3(xi);
@@ -29,6 +31,7 @@ TEST(Se3, ExpOfAScrewAgreesWithItsClosedForm) {
   EXPECT_NEAR(pose.translation().z(), 0.7, 1e-12);
 }
 
+/// The adjoint obeys its definition T exp(xi) = exp(Ad_T xi) T.
 TEST(Se3, AdjointMovesATwistAcrossAPose) {
   RandomSource random(2);
   const Pose t = expSe3(random.normalTwist());
@@ -37,8 +40,8 @@ TEST(Se3, AdjointMovesATwistAcrossAPose) {
 }
 
 TEST(Se3, MeanAndCovarianceOfASymmetricSetHaveAClosedForm) {
-  // Poses mean * exp(+-d_k) with equal weights: the mean is exact, the covariance is the mean of
-  // d d^T, with the signs of the cross terms.
+  // The poses mean * exp(+-d_k) have equal weights and lie symmetrically. So their mean is exactly
+  // `mean`. Their covariance is the mean of d d^T, including the signs of the cross terms.
   RandomSource random(3);
   const Pose mean = expSe3(random.normalTwist());
   std::vector<Pose> poses;
@@ -54,6 +57,7 @@ TEST(Se3, MeanAndCovarianceOfASymmetricSetHaveAClosedForm) {
   EXPECT_LT((g.covariance - covariance).norm(), 1e-8);
 }
 
+/// A covariance that is converted to map axes and back does not change.
 TEST(Se3, MapAxesCovarianceRoundTrip) {
   RandomSource random(4);
   PoseGaussian g;
