@@ -5,13 +5,21 @@
 namespace edge_mcl {
 
 void ParameterOptions::addTo(CLI::App* command) {
-  command->add_option("--params", file_, "YAML file with parameters (see `edge-mcl parameters`)");
-  command->add_option("--set", assignments_,
-                      "one parameter, e.g. --set likelihood.sigma=2 (repeatable)");
-  command->add_option("--particles", particles_, "number of particles (filter.particles)");
-  command->add_option("--likelihood", likelihood_, "paper or robust (likelihood.model)");
-  command->add_option("--backend", backend_, "auto, cpu or cuda (likelihood.backend)");
-  command->add_option("--seed", seed_, "seed of the random generator (filter.seed)");
+  command->add_option(
+      "--params", file_,
+      "YAML file with parameters, as `edge-mcl parameters` prints it; default: no file, and "
+      "every parameter has its default value");
+  command->add_option(
+      "--set", assignments_,
+      "sets one parameter, e.g. --set likelihood.sigma=2; can be given several times; "
+      "overrides --params");
+  command->add_option("--particles", particles_, "number of particles; sets filter.particles");
+  command->add_option("--likelihood", likelihood_,
+                      "likelihood model, paper or robust; sets likelihood.model");
+  command->add_option(
+      "--backend", backend_,
+      "device that computes the likelihood, auto, cpu or cuda; sets likelihood.backend");
+  command->add_option("--seed", seed_, "seed of the random generator; sets filter.seed");
 }
 
 Parameters ParameterOptions::load() const {
@@ -28,7 +36,8 @@ Parameters ParameterOptions::load() const {
   for (const std::string& assignment : assignments_) {
     const auto equals = assignment.find('=');
     if (equals == std::string::npos)
-      faults += (faults.empty() ? "" : "; ") + ("--set " + assignment + ": name=value expected");
+      faults += (faults.empty() ? "" : "; ") +
+                ("--set " + assignment + ": must have the form name=value");
     else
       set(assignment.substr(0, equals), assignment.substr(equals + 1));
   }

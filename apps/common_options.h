@@ -10,11 +10,15 @@
 
 namespace edge_mcl {
 
-/// `--params`, `--set`, and short forms of the most used parameters.
+/// The options `--params` and `--set`, and one option for each of four often used parameters:
+/// `--particles`, `--likelihood`, `--backend`, `--seed`.
 class ParameterOptions {
  public:
+  /// Adds the options to a subcommand.
   void addTo(CLI::App* command);
-  /// Defaults, then the file, then --set, then the short forms. @throws ParameterError, InputError
+  /// Reads the parameters. A later source overrides an earlier one: the defaults, the file of
+  /// `--params`, `--set`, the four short options. @throws ParameterError for an unknown name or an
+  /// illegal value; InputError when the file cannot be read
   Parameters load() const;
 
  private:
@@ -25,16 +29,19 @@ class ParameterOptions {
 
 /// Exit codes of the tool.
 enum ExitCode : int {
-  kExitOk = 0,
-  kExitUsage = 2,  ///< wrong options or parameters
-  kExitInput = 3,  ///< a file is missing or broken: nothing or only a part was done
-  /// Ran to the end, but some images could not be used or are missing, or no pose was found.
+  kExitOk = 0,     ///< the work is done
+  kExitUsage = 2,  ///< options or parameters are wrong
+  kExitInput = 3,  ///< a file is missing or broken; nothing was done, or only a part
+  /// The work is done, but some images could not be used or are missing, or no pose was found or
+  /// matched. Also: the user interrupted a simulation.
   kExitIncomplete = 4,
-  kExitInternal = 5
+  kExitInternal = 5  ///< a fault of the program
 };
 
-/// A subcommand registers itself and stores what to run.
+/// Work of the chosen subcommand. It returns an ExitCode.
 using Action = std::function<int()>;
+/// This function and the following ones each add one subcommand to the app. When the user chooses
+/// the subcommand, it stores its work in `action`.
 void addLocalize(CLI::App* app, Action* action);
 void addInspect(CLI::App* app, Action* action);
 void addEvaluate(CLI::App* app, Action* action);

@@ -1,4 +1,5 @@
-// edge-mcl inspect: is the model read as expected?
+// edge-mcl inspect: prints size, edges and faults of a model, so that the user sees whether the
+// model is read as expected.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -23,17 +24,18 @@ std::vector<std::string> findings(const LocalizationMap& map) {
   std::vector<std::string> list = map.mesh().report.warnings;
   const MeshReport& r = map.mesh().report;
   if (r.flipped_pairs > 0)
-    list.push_back(std::to_string(r.flipped_pairs) +
-                   " neighbouring faces are wound against each other (flipped normals; harmless "
-                   "here)");
+    list.push_back(
+        std::to_string(r.flipped_pairs) +
+        " pairs of neighbouring faces have opposite winding (flipped normals); this does "
+        "no harm here");
   if (r.boundary_edges > 0 && !map.mesh().triangles.empty())
     list.push_back(std::to_string(r.boundary_edges) +
-                   " edges have one face only: holes, open sheets or unwelded parts; they count as "
-                   "feature edges (map.boundaries)");
+                   " edges have only one face (holes, open sheets, or parts that are not welded); "
+                   "with map.boundaries they are feature edges");
   if (r.non_manifold_edges > 0)
     list.push_back(std::to_string(r.non_manifold_edges) + " edges have three or more faces");
   if (map.mesh().triangles.empty())
-    list.push_back("no faces: a line map; hidden lines cannot be removed");
+    list.push_back("the model has lines but no faces, so hidden lines cannot be removed");
   return list;
 }
 
@@ -71,10 +73,10 @@ int run(const InspectOptions& o) {
   for (int k = 0; k < kEdgeKinds; ++k)
     std::printf(" %zu %s%s", edges.countOf(static_cast<EdgeKind>(k)),
                 edgeKindName(static_cast<EdgeKind>(k)), k + 1 < kEdgeKinds ? "," : "");
-  std::printf("; %zu pieces merged into others\n", edges.merged_pieces);
-  std::printf("  samples    %zu, every %.4g m; %.4g m of feature edges\n",
+  std::printf("; %zu collinear pieces are merged into other edges\n", edges.merged_pieces);
+  std::printf("  samples    %zu, one every %.4g m; the feature edges have a length of %.4g m\n",
               edges.sample_along.size(), edges.sample_step, edges.feature_length);
-  std::printf("  visibility cells of %.3g m, occlusion tolerance %.3g mm\n",
+  std::printf("  visibility cells with a side of %.3g m, occlusion tolerance %.3g mm\n",
               map.visibility().cellSize(), 1000 * map.visibility().occlusionTolerance());
   for (const std::string& f : findings(map)) std::printf("  note: %s\n", f.c_str());
   if (!o.picture.empty()) std::printf("  picture    %s\n", o.picture.c_str());
@@ -85,11 +87,12 @@ int run(const InspectOptions& o) {
 
 void addInspect(CLI::App* app, Action* action) {
   auto o = std::make_shared<InspectOptions>();
-  CLI::App* c =
-      app->add_subcommand("inspect", "what is in a model: size, edges, warnings, picture");
+  CLI::App* c = app->add_subcommand(
+      "inspect", "print size, edges and warnings of a model, and draw its edges");
   c->add_option("model", o->model, "model file (OBJ, PLY, STL, DAE, glTF, IFC, ...)")->required();
-  c->add_option("--picture", o->picture, "picture of the wireframe, edges coloured by kind");
-  c->add_flag("--json", o->json, "print as JSON");
+  c->add_option("--picture", o->picture,
+                "file for a picture of the model's edges, coloured by kind; default: no picture");
+  c->add_flag("--json", o->json, "print the result as JSON; default: as text");
   o->parameters.addTo(c);
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }

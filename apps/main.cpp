@@ -3,35 +3,34 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <iostream>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <sstream>
 
 #include "apps/common_options.h"
+#include "apps/library_messages.h"
 #include "edge_mcl/core/base/error.h"
 
 int main(int argc, char** argv) {
   using namespace edge_mcl;
-  // Libraries report what they could not read there, too; the tool says it once, by itself, and
-  // uses C's stderr.
-  std::cerr.rdbuf(nullptr);
+  const LibraryMessages library_messages;
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   CLI::App app{
       "Finds the 6-DoF pose of a camera inside a known 3D model by Monte-Carlo localization on "
       "edges.\n\nTypical first steps:\n"
-      "  edge-mcl inspect model.obj --picture model.png   is the model read as I expect?\n"
-      "  edge-mcl localize SEQUENCE --out est.txt         camera images in, trajectory out\n"
-      "  edge-mcl view SEQUENCE                           watch it\n"
-      "  edge-mcl evaluate est.txt groundtruth.txt        how good is it?\n\n"
-      "Exit codes: 0 done; 2 wrong options or parameters; 3 a file is missing or broken; 4 done, "
-      "but some images could not be used or are missing, no pose was found or matched, or it was "
-      "interrupted; 5 internal error."};
+      "  edge-mcl inspect model.obj --picture model.png   check how the model is read\n"
+      "  edge-mcl localize SEQUENCE --out est.txt         compute the trajectory from the images\n"
+      "  edge-mcl view SEQUENCE                           watch the localization\n"
+      "  edge-mcl evaluate est.txt groundtruth.txt        compute the errors of the trajectory\n\n"
+      "Exit codes: 0: done; 2: wrong options or parameters; 3: a file is missing or broken; 4: "
+      "done, but some images could not be used or are missing, no pose was found or matched, or "
+      "the command was interrupted; 5: internal error."};
   app.require_subcommand(1);
   app.set_version_flag("--version", EDGE_MCL_VERSION);
   int threads = 0;
-  app.add_option("--threads", threads, "CPU threads; 0 = all (results do not depend on it)")
+  app.add_option("--threads", threads,
+                 "number of CPU threads; 0 (default): all cores; results do not depend on it")
       ->check(CLI::Range(0, 1024));
   app.fallthrough();
   Action action;
@@ -71,7 +70,8 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "edge-mcl: %s\n", e.what());
     return kExitInput;
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "edge-mcl: internal error: %s\n", e.what());
+    std::fprintf(stderr, "edge-mcl: internal error: %s\n%s", e.what(),
+                 library_messages.text().c_str());
     return kExitInternal;
   }
 }

@@ -20,7 +20,8 @@ std::string textOf(const nlohmann::json& content) {
 
 namespace {
 
-/// Written to, not replaced.
+/// Whether the name belongs to a device, a pipe or a directory. A device or a pipe is written to
+/// and must not be replaced by a file.
 bool isDeviceOrPipe(const std::string& file) {
   std::error_code ignored;
   return fs::exists(file, ignored) && !fs::is_regular_file(file, ignored);
@@ -44,13 +45,15 @@ void writeJson(const std::string& file, const nlohmann::json& content) {
 void makeDirectory(const std::string& directory) {
   std::error_code problem;
   fs::create_directories(directory, problem);
-  if (problem) throw InputError(directory + ": cannot be made: " + problem.message());
+  if (problem)
+    throw InputError(directory + ": the directory cannot be created: " + problem.message());
 }
 
 void checkOutput(const std::string& file) {
   if (file.empty()) return;
   std::error_code ignored;
-  if (fs::is_directory(file, ignored)) throw InputError(file + ": cannot be written: a directory");
+  if (fs::is_directory(file, ignored))
+    throw InputError(file + ": cannot be written: it is a directory");
   const bool exists = fs::exists(file, ignored);
   const fs::path inside_folder = fs::path(file).parent_path() / ".";
   if ((exists && access(file.c_str(), W_OK) != 0) ||

@@ -1,4 +1,4 @@
-/// Files that several subcommands write, and JSON as text.
+/// Writes files, for all subcommands, and turns JSON into text.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -6,15 +6,18 @@
 
 namespace edge_mcl {
 
-/// Indented; names that are not UTF-8 get marks of replacement.
+/// The content as indented text. Bytes that are not UTF-8 (in names of files) become replacement
+/// characters.
 std::string textOf(const nlohmann::json& content);
 
-/// As FILE.part first, so that what has the name is whole.
-/// @throws InputError when it cannot be written; likewise below.
+/// Writes FILE.part and then renames it to FILE, so that a file with the final name is complete. A
+/// device or a pipe is written to directly. @throws InputError when the file cannot be written
 void writeJson(const std::string& file, const nlohmann::json& content);
+/// Creates a directory and its parents. @throws InputError when it cannot be created
 void makeDirectory(const std::string& directory);
 
-/// Whether a file can be written later, after long work; an empty name is none.
+/// Checks that a file can be written. To be called before long work. An empty name means: no file.
+/// @throws InputError when the file cannot be written
 void checkOutput(const std::string& file);
 
 }  // namespace edge_mcl

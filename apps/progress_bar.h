@@ -1,4 +1,4 @@
-/// Progress with rate and time left, on a terminal only.
+/// Shows the progress of a command, with the rate per second and the remaining time.
 #pragma once
 
 #include <unistd.h>
@@ -9,6 +9,7 @@
 
 namespace edge_mcl {
 
+/// A progress bar on stderr. It is shown only when stderr is a terminal.
 class ProgressBar {
  public:
   ProgressBar(std::string title, size_t total)
@@ -19,6 +20,7 @@ class ProgressBar {
   ~ProgressBar() {
     if (on_terminal_ && shown_) std::fprintf(stderr, "\n");
   }
+  /// Counts one step, and draws the bar at most ten times a second.
   void advance() {
     ++done_;
     if (!on_terminal_) return;
@@ -35,7 +37,7 @@ class ProgressBar {
                  static_cast<double>(total_ - done_) / rate);
     std::fflush(stderr);
   }
-  /// Prints a line without tearing the bar.
+  /// Prints a line on stderr, in place of the bar. The next advance() draws the bar below it.
   void note(const std::string& text) {
     std::fprintf(stderr, "%s%s\n", on_terminal_ && shown_ ? "\r\033[K" : "", text.c_str());
   }

@@ -1,4 +1,4 @@
-#include "edge_mcl/localization/backend_choice.h"
+#include "edge_mcl/localization/map_factory.h"
 
 #include <cstdio>
 #include <utility>
@@ -11,7 +11,7 @@ namespace edge_mcl {
 
 namespace {
 
-/// Not by std::cerr, which the tool has closed to the libraries.
+/// The tool closes std::cerr, so that libraries cannot write to it. Standard error stays open.
 void warn(const std::string& text) { std::fprintf(stderr, "edge_mcl: %s\n", text.c_str()); }
 
 }  // namespace
@@ -30,13 +30,19 @@ void chooseBackend(LocalizationMap* map, const DeviceFactory& make_device) {
   const BackendChoice choice = map->params().likelihood.backend;
   if (choice == BackendChoice::kCpu) return;
   try {
-    // One may be there and yet be busy, full or too old.
+    // A device may exist and still be busy, full or too old.
     map->setBackend(make_device(map->sharedVisibility()));
   } catch (const Error& e) {
     if (choice == BackendChoice::kCuda)
       throw ParameterError(std::string("likelihood.backend cuda: ") + e.what());
     if (dynamic_cast<const NoDevice*>(&e) == nullptr) warn(std::string(e.what()) + "; CPU used");
   }
+}
+
+std::shared_ptr<LocalizationMap> makeMap(const std::string& model_file, const Parameters& params) {
+  auto map = std::make_shared<LocalizationMap>(model_file, params);
+  chooseBackend(map.get());
+  return map;
 }
 
 }  // namespace edge_mcl

@@ -14,7 +14,8 @@ namespace edge_mcl {
 nlohmann::json timeDepth(const LocalizationMap& map, const Sequence& sequence,
                          const SequenceFrame& frame, const std::vector<Pose>& poses, int repeats,
                          bool print) {
-  if (frame.depth_file.empty()) throw InputError(frame.image_file + ": has no depth image");
+  if (frame.depth_file.empty())
+    throw InputError(frame.image_file + ": this image has no depth image");
   DepthImage image;
   image.camera = sequence.camera;
   image.depth = readDepth(frame.depth_file, sequence.camera);
@@ -57,10 +58,11 @@ nlohmann::json timeDepth(const LocalizationMap& map, const Sequence& sequence,
                       {"voxel_size_m", likelihood.field().voxelSize()},
                       {"checksum", checksum}};
   if (print) {
-    std::printf("depth: %zu points, %zu particles, field of %.1f MB\n", points->count, poses.size(),
-                j["field_mb"].get<double>());
-    std::printf("  points from the image %.2f ms; point by point, double, 1 thread %.2f ms\n",
-                j["prepare_ms"].get<double>(), j["plain_ms"].get<double>());
+    std::printf("depth: %zu points, %zu particles, distance field of %.1f MB\n", points->count,
+                poses.size(), j["field_mb"].get<double>());
+    std::printf(
+        "  making the points %.2f ms; point by point in double precision, 1 thread %.2f ms\n",
+        j["prepare_ms"].get<double>(), j["plain_ms"].get<double>());
     std::printf("  ours, 1 thread %.2f ms (%.1f times as fast), all threads %.2f ms (p90 %.2f)\n",
                 j["one_thread_ms"].get<double>(),
                 j["plain_ms"].get<double>() / j["one_thread_ms"].get<double>(),

@@ -11,6 +11,7 @@ namespace edge_mcl {
 
 namespace {
 
+/// Median time of some runs, ms. Larger numbers of particles are run less often.
 double medianOfRuns(size_t particles, const std::function<void()>& work) {
   const int runs = particles <= 5000 ? 31 : particles <= 50000 ? 9 : 3;
   std::vector<double> ms;
@@ -31,8 +32,8 @@ nlohmann::json timeTable(const LikelihoodBackend& cpu, const LikelihoodBackend* 
                          double plain_ms_per_particle, const std::vector<size_t>& sizes,
                          const std::function<std::vector<Pose>(size_t)>& draw, bool print) {
   if (print)
-    std::printf("%9s %14s %13s %13s %16s %12s %12s %11s\n", "N", "t_CPU plain,", "t_CPU ours,",
-                "t_GPU, ms", "t_GPU with image", "plain / ours", "plain / GPU", "ours / GPU");
+    std::printf("%9s %14s %13s %13s %16s %12s %12s %11s\n", "particles", "plain flow, ms",
+                "CPU, ms", "GPU, ms", "GPU + image, ms", "plain / CPU", "plain / GPU", "CPU / GPU");
   nlohmann::json table = nlohmann::json::array();
   for (const size_t n : sizes) {
     const std::vector<Pose> poses = draw(n);
@@ -45,7 +46,7 @@ nlohmann::json timeTable(const LikelihoodBackend& cpu, const LikelihoodBackend* 
       const std::string device_name = gpu->name();
       gpu->evaluate(frame, poses);
       const double device = medianOfRuns(n, [&] { gpu->evaluate(frame, poses); });
-      // A picture that the device has not seen: upload, table and weights.
+      // A new picture, so that its upload, its table and the weights are timed, too.
       const auto fromImage = [&] {
         LikelihoodFrame fresh = frame;
         fresh.table = nullptr;
@@ -63,7 +64,7 @@ nlohmann::json timeTable(const LikelihoodBackend& cpu, const LikelihoodBackend* 
                       plain / ours, plain / device, ours / device);
         gpu_columns = text;
       } else {
-        gpu = nullptr;  // it has failed, and the CPU has done its work
+        gpu = nullptr;  // the device has failed, and the CPU has computed the scores
         gpu_columns = "device failed";
       }
     }

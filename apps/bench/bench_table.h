@@ -1,4 +1,4 @@
-/// The paper's Table 1 for today's hardware.
+/// Makes a table like the paper's Table 1: time of the likelihood for growing numbers of particles.
 #pragma once
 
 #include <functional>
@@ -9,11 +9,17 @@
 
 namespace edge_mcl {
 
-/// Times backends for growing numbers of particles and prints one line each as it is done.
-/// @param plain_ms_per_particle the plainly written flow, whose time is proportional to the number.
-/// @param picture of which the frame's table was made, for the times from the image on.
-/// @param draw makes that many poses. @param gpu null without a device.
-/// @return the lines as JSON.
+/// Times the backends for every number of particles.
+/// @param gpu null without a device.
+/// @param frame image with its score table.
+/// @param picture the picture from which this table was made. It is used for the times that include
+/// a new image.
+/// @param plain_ms_per_particle time of the plain flow, ms; it is proportional to the number of
+/// particles.
+/// @param sizes numbers of particles.
+/// @param draw makes a given number of poses.
+/// @param print true: each line is printed as soon as it is measured.
+/// @return the lines as JSON; times in ms
 nlohmann::json timeTable(const LikelihoodBackend& cpu, const LikelihoodBackend* gpu,
                          const LikelihoodFrame& frame, const Picture& picture,
                          double plain_ms_per_particle, const std::vector<size_t>& sizes,

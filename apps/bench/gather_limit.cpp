@@ -1,4 +1,4 @@
-// Compiled once per instruction set, as the kernel is.
+// This file is compiled once per instruction set, like the kernel.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "apps/bench/gather_limit.cpp"
 #include <hwy/foreach_target.h>
@@ -18,8 +18,11 @@ namespace edge_mcl {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Byte offsets: base of a sample plus shift of a particle, both inside the table for every pair.
-/// @param shifts a multiple of sixteen of them.
+/// Does both gathers of the kernel for every sample and every particle.
+/// @param bases offset of every sample in the table, bytes.
+/// @param shifts offset that a particle adds, bytes; their number is a multiple of 16. Every base
+/// plus every shift must lie inside the table.
+/// @return a checksum, so that the compiler keeps the gathers
 uint32_t gatherAllImpl(const uint16_t* pairs, int stride, const std::vector<int32_t>& bases,
                        const std::vector<int32_t>& shifts) {
   const hn::CappedTag<int32_t, 16> d;
@@ -47,7 +50,8 @@ HWY_EXPORT(gatherAllImpl);
 
 namespace {
 
-/// Pixels by which the middle of the image moves from one pose to another, at a depth of 3 m.
+/// How far a point 3 m in front of the camera moves in the image, px, when the camera moves from
+/// one pose to another (T_map_camera).
 Eigen::Vector2d shiftOf(const CameraModel& camera, const Pose& from, const Pose& to) {
   Eigen::Vector2d a, b;
   const Eigen::Vector3d p(0, 0, 3);
@@ -63,15 +67,21 @@ double gatherLimitNanoseconds(const LikelihoodFrame& frame, const VisibleSet& se
   const std::shared_ptr<const ScoreTable> kept = frame.tableHere();
   const ScoreTable& table = *kept;
   const Pose& centre = camera_poses.front();
-  constexpr int kMargin = 64;  // shifts are clamped to it, so that no address leaves the table
+  // Shifts are shorter than this margin, so that no address leaves the table. The particles of a
+  // benchmark move the image by some 20 pixels.
+  constexpr int kMargin = 64;
+  constexpr size_t kMostLanes = 16;  // floats in the widest vector, AVX-512
+  constexpr int kPairBytes = 2;      // an element of the table is a pair of bytes
   std::vector<int32_t> shifts;
   for (const Pose& pose : camera_poses) {
     const Eigen::Vector2d shift = shiftOf(frame.camera, centre, pose);
-    const auto clamped = [](double v) { return std::lround(std::clamp(v, -63.0, 63.0)); };
-    shifts.push_back(
-        static_cast<int32_t>(2 * (clamped(shift.y()) * table.stride() + clamped(shift.x()))));
+    const auto clamped = [](double v) {
+      return std::lround(std::clamp(v, 1.0 - kMargin, kMargin - 1.0));
+    };
+    shifts.push_back(static_cast<int32_t>(
+        kPairBytes * (clamped(shift.y()) * table.stride() + clamped(shift.x()))));
   }
-  while (shifts.size() % 16 != 0) shifts.push_back(shifts.back());
+  while (shifts.size() % kMostLanes != 0) shifts.push_back(shifts.back());
   std::vector<int32_t> bases;
   const Pose camera_from_map = centre.inverse();
   for (const VisibleSet::Segment& segment : set.segments) {
@@ -90,7 +100,7 @@ double gatherLimitNanoseconds(const LikelihoodFrame& frame, const VisibleSet& se
           static_cast<int>(diamondAngle(direction.x(), direction.y()) * table.bins() / 2);
       const int x = std::clamp(static_cast<int>(pixel.x()), kMargin, table.width() - kMargin - 2);
       const int y = std::clamp(static_cast<int>(pixel.y()), kMargin, table.height() - kMargin - 2);
-      bases.push_back(2 * ((bin % table.bins() * table.rows() + y) * table.stride() + x));
+      bases.push_back(kPairBytes * ((bin % table.bins() * table.rows() + y) * table.stride() + x));
     }
   }
   if (bases.empty() || table.width() < 2 * kMargin + 3 || table.height() < 2 * kMargin + 3)

@@ -1,4 +1,4 @@
-/// Many updates in a row: does memory grow?
+/// Makes many updates in a row and measures whether the memory grows.
 #pragma once
 
 #include "edge_mcl/core/localization_map.h"
@@ -6,12 +6,15 @@
 
 namespace edge_mcl {
 
-/// Megabytes of memory of this process: resident now, and at most so far.
+/// Resident memory of this process now, MB.
 double residentMegabytes();
+/// Largest resident memory of this process so far, MB.
 double peakResidentMegabytes();
 
-/// Runs that many updates on the first images of the sequence, forth and back, and prints the
-/// resident size along the way. @return megabytes gained between the first tenth and the end.
+/// Makes `updates` updates with the first 20 images of the sequence, forwards and backwards in
+/// turn. Prints the resident memory after every tenth of them.
+/// @return growth of the memory from the first tenth to the end, MB.
+/// @throws InputError when the sequence has fewer than two images
 double soak(const LocalizationMap& map, const Sequence& sequence, size_t updates);
 
 }  // namespace edge_mcl

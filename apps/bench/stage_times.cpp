@@ -4,20 +4,24 @@
 #include <cmath>
 #include <cstdio>
 
-#include "edge_mcl/localization/recorded/sequence_localizer.h"
+#include "edge_mcl/localization/recorded/recorded_localizer.h"
+#include "edge_mcl/localization/recorded/sequence_input.h"
 
 namespace edge_mcl {
 
-StageTable StageTable::measure(const LocalizationMap& map, const Sequence& sequence,
-                               size_t images) {
+StageTable StageTable::measure(const std::shared_ptr<const LocalizationMap>& map,
+                               const Sequence& sequence, size_t images) {
   StageTable table;
   if (images == 0) return table;
   table.stages_ = {{"edges", {}},      {"field", {}},      {"table", {}},
                    {"likelihood", {}}, {"refinement", {}}, {"rest of the filter", {}},
                    {"update", {}}};
-  SequenceLocalizer localizer(map, sequence, true);
-  for (size_t i = 0; i < std::min(images, sequence.frames.size()); ++i) {
-    const LiveResult r = localizer.step();
+  auto input = std::make_unique<SequenceInput>(
+      sequence, SequenceParts{map->usesImages(), true, map->usesDepth()});
+  const RecordedStart start{input->initialPose(), std::nullopt};
+  RecordedLocalizer localizer(map, std::move(input), start);
+  for (size_t i = 0; i < images && localizer.next(); ++i) {
+    const LiveResult& r = localizer.result();
     if (!r.updated) continue;
     const StageTimes& t = r.image_times;
     const double rest = r.report.total_ms - r.report.likelihood_ms - r.report.refinement_ms;

@@ -1,7 +1,7 @@
-/// Times of whole updates, stage by stage.
+/// Times whole updates of the localizer, stage by stage.
 #pragma once
 
-#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -11,14 +11,19 @@
 
 namespace edge_mcl {
 
-/// Milliseconds of every update, by stage, in the order of their work.
+/// Times of all updates, ms, for every stage. The stages are in the order of the work.
 class StageTable {
  public:
-  /// Tracks the first `images` of a sequence: image in, pose out, reading of files not counted.
-  static StageTable measure(const LocalizationMap& map, const Sequence& sequence, size_t images);
+  /// Localizes the first `images` images of a sequence. The time for reading files is not counted.
+  static StageTable measure(const std::shared_ptr<const LocalizationMap>& map,
+                            const Sequence& sequence, size_t images);
   bool empty() const { return stages_.empty(); }
+  /// @param q from 0 to 1.
+  /// @return ms; 0 for a stage without times
   double percentile(const std::string& stage, double q) const;
+  /// Percentiles 50, 95 and 99 of every stage, ms.
   nlohmann::json toJson() const;
+  /// Prints these percentiles under a title. Prints nothing when the table is empty.
   void print(const std::string& title) const;
 
  private:

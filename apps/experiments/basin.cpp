@@ -1,4 +1,5 @@
-// edge-mcl basin: from how far away does a single image lead to the right pose?
+// edge-mcl basin: starts the filter with an error and counts how often one image leads it to the
+// right pose.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -11,11 +12,12 @@
 #include "apps/common_options.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/recordings/sequence.h"
 #include "edge_mcl/core/recordings/trajectory_evaluation.h"
-#include "edge_mcl/localization/backend_choice.h"
 #include "edge_mcl/localization/filter/pose_filter.h"
+#include "edge_mcl/localization/map_factory.h"
 
 namespace edge_mcl {
 
@@ -29,10 +31,10 @@ struct BasinOptions {
   ParameterOptions parameters;
 };
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kGoodPosition = 0.10, kGoodAngle = 3 * kDegree;
 
-/// Start displaced by exactly the given amounts in a random direction and about a random axis.
+/// The true pose, displaced by `offset` (m) in a random direction and turned by `angle` (rad) about
+/// a random axis. The amounts are exact.
 Pose displaced(const Pose& truth, double offset, double angle, RandomSource* random) {
   Pose start = truth;
   start.translation() += offset * random->direction();
@@ -40,6 +42,7 @@ Pose displaced(const Pose& truth, double offset, double angle, RandomSource* ran
   return start;
 }
 
+/// Errors of the filter's pose at the end of a trial, m and rad.
 struct Trial {
   double position = 0, angle = 0;
 };
@@ -50,7 +53,7 @@ Trial runTrial(const LocalizationMap& map, const std::shared_ptr<const PreparedI
   FilterParameters filter_params = map.params().filter;
   filter_params.seed = seed;
   PoseFilter filter(filter_params, map.params().refinement);
-  // Per axis, so that the expected displacement is the real one.
+  // Standard deviations per axis. Over the three axes they add up to the real displacement.
   filter.initialize(displaced(truth, o.offset, o.angle * kDegree, &random),
                     o.offset / std::sqrt(3.0), o.angle * kDegree / std::sqrt(3.0));
   for (int k = 0; k < o.repeats; ++k) {
@@ -65,13 +68,14 @@ int run(const BasinOptions& o) {
   const Parameters params = o.parameters.load();
   if (!(o.offset >= 0) || !(o.angle >= 0) || o.trials < 1 || o.repeats < 1)
     throw ParameterError(
-        "basin: --offset and --angle must be zero or more, --trials and --repeats "
+        "basin: --offset and --angle must be at least 0, and --trials and --repeats "
         "at least 1");
   const Sequence sequence = readSequence(o.sequence);
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
-  if (model.empty()) throw InputError(o.sequence + ": no model.obj in it; use --model");
-  LocalizationMap map(model, params);
-  chooseBackend(&map);
+  if (model.empty())
+    throw InputError(o.sequence + ": the directory has no model.obj; name the model with --model");
+  const std::shared_ptr<const LocalizationMap> shared_map = makeMap(model, params);
+  const LocalizationMap& map = *shared_map;
   std::vector<double> position, angle;
   size_t good = 0, total = 0, unusable = 0;
   nlohmann::json images = nlohmann::json::array();
@@ -122,7 +126,7 @@ int run(const BasinOptions& o) {
     std::printf("%s\n", textOf(j).c_str());
   } else {
     std::printf(
-        "%s: start %.2f m and %.1f deg off, %d looks at one image, %zu trials: "
+        "%s: start with an error of %.2f m and %.1f deg, %d updates with one image, %zu trials: "
         "%.1f %% end within 0.10 m and 3 deg (median error %.1f cm, %.2f deg)\n",
         sequence.name.c_str(), o.offset, o.angle, o.repeats, total, 100 * share, 100 * p.median,
         a.median);
@@ -135,15 +139,19 @@ int run(const BasinOptions& o) {
 void addBasin(CLI::App* app, Action* action) {
   auto o = std::make_shared<BasinOptions>();
   CLI::App* c = app->add_subcommand(
-      "basin", "how far off may the start be? displaced starts against single images");
-  c->add_option("sequence", o->sequence, "directory with ground truth")->required();
-  c->add_option("--model", o->model, "model file, if not SEQUENCE/model.obj");
-  c->add_option("--offset", o->offset, "displacement of the start, m");
-  c->add_option("--angle", o->angle, "rotation of the start, deg");
-  c->add_option("--trials", o->trials, "starts per image");
-  c->add_option("--repeats", o->repeats, "how often the filter sees the image");
-  c->add_flag("--no-mask", o->no_mask, "do not use the masks of the sequence");
-  c->add_flag("--json", o->json, "print the result as JSON");
+      "basin",
+      "start the filter with an error at single images and count how often it finds the pose");
+  c->add_option("sequence", o->sequence, "sequence directory with ground truth")->required();
+  c->add_option("--model", o->model, "model file; default: SEQUENCE/model.obj");
+  c->add_option("--offset", o->offset,
+                "distance of the start from the true position, m; default 0.2");
+  c->add_option("--angle", o->angle,
+                "angle between the start and the true orientation, degrees; default 3");
+  c->add_option("--trials", o->trials, "number of starts per image; default 10");
+  c->add_option("--repeats", o->repeats,
+                "number of updates of the filter with the same image; default 5");
+  c->add_flag("--no-mask", o->no_mask, "use no masks; default: the masks of the sequence are used");
+  c->add_flag("--json", o->json, "print the result as JSON; default: as text");
   o->parameters.addTo(c);
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }

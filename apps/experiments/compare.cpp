@@ -1,4 +1,4 @@
-// edge-mcl compare: our localizer against MRPT's own filters, as a document.
+// edge-mcl compare: compares this localizer with MRPT's own filters and writes a document.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -37,7 +37,8 @@ struct CompareOptions {
   bool bench = false;
 };
 
-/// What is kept in OUT must be of the flights that are asked for.
+/// Checks that the flights in OUT have the image rate of this call, and writes the rate into a new
+/// OUT. @throws ParameterError when the rates differ
 void checkRate(const CompareOptions& o) {
   const std::string file = o.out + "/rate.json";
   if (!fs::exists(file)) {
@@ -48,10 +49,10 @@ void checkRate(const CompareOptions& o) {
   const nlohmann::json kept = nlohmann::json::parse(in, nullptr, false);
   if (!kept.is_object() || !kept.contains("rate") || kept["rate"] != o.rate)
     throw ParameterError("--rate: the flights in " + o.out +
-                         " were made with another; take another directory");
+                         " have another rate; use another directory");
 }
 
-/// Of the same text on every machine, however long.
+/// Hash of a text, 16 hexadecimal digits. It is the same on every machine.
 std::string fingerprintOf(const std::string& text) {
   uint64_t hash = 1469598103934665603ull;  // FNV-1a
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
@@ -60,24 +61,26 @@ std::string fingerprintOf(const std::string& text) {
   return hex;
 }
 
+/// Fingerprints of the sources of all sequences in OUT, by the name of the sequence.
 nlohmann::json sourcesOf(const CompareOptions& o) {
   const std::string file = o.out + "/sources.json";
   nlohmann::json kept = nlohmann::json::object();
   if (std::ifstream in(file); in) kept = nlohmann::json::parse(in, nullptr, false);
-  if (!kept.is_object()) throw InputError(file + ": broken; take another directory");
+  if (!kept.is_object()) throw InputError(file + ": the file is broken; use another directory");
   return kept;
 }
 
-/// Flights and runs are kept by the name of their sequence: under a name there must be one only.
+/// Checks that OUT holds nothing of another sequence with the same name, because flights and runs
+/// are kept by the name of their sequence. @throws InputError when it does
 void checkSource(const CompareOptions& o, const std::string& name, const std::string& source,
                  const std::string& fingerprint) {
   const nlohmann::json kept = sourcesOf(o);
   if (kept.contains(name) && kept[name] != fingerprint)
-    throw InputError(source + ": what " + o.out + " holds of " + name +
-                     " was made of another one; take another directory");
+    throw InputError(source + ": the data in " + o.out + " of " + name +
+                     " come from another scenario or sequence; use another directory");
 }
 
-/// To be called when there is something of it.
+/// Stores the fingerprint of a sequence. To be called when OUT holds data of it.
 void keepSource(const CompareOptions& o, const std::string& name, const std::string& fingerprint) {
   nlohmann::json kept = sourcesOf(o);
   if (kept.contains(name)) return;
@@ -85,18 +88,21 @@ void keepSource(const CompareOptions& o, const std::string& name, const std::str
   writeJson(o.out + "/sources.json", kept);
 }
 
-/// Results are kept by the names of their sequences.
+/// Checks that every sequence has a name of its own that can be part of a file name, because
+/// results are kept by these names. @throws InputError, ParameterError
 void checkNames(const std::vector<std::pair<std::string, Sequence>>& sequences) {
   std::set<std::string> names;
   for (const auto& [directory, sequence] : sequences) {
     if (sequence.name.empty() || sequence.name.find('/') != std::string::npos)
-      throw InputError(directory + ": its name, '" + sequence.name + "', cannot be that of a file");
+      throw InputError(directory + ": the name of the sequence, '" + sequence.name +
+                       "', cannot be a file name");
     if (!names.insert(sequence.name).second)
-      throw ParameterError("two sequences are called " + sequence.name);
+      throw ParameterError("two sequences have the name " + sequence.name);
   }
 }
 
-/// The sequence of a flight: simulated where it is not there yet, as a whole.
+/// Simulates a flight if OUT does not hold it yet. The directory of a flight appears only when the
+/// flight is complete. @return this directory
 std::string simulated(const std::string& scenario_file, const CompareOptions& o) {
   const std::string name = fs::path(scenario_file).stem().string();
   std::ifstream in(scenario_file);
@@ -139,7 +145,8 @@ std::string processor() {
 
 int lastCore() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())) - 1; }
 
-/// Particles that fit into the budget, by a line through two measured points, two digits.
+/// Number of particles whose update takes `budget_ms`, by a straight line through two measured
+/// points (particles, ms). It is rounded to two digits and lies between 10 and 20,000.
 int particlesFor(double budget_ms, int few, double ms_of_few, int many, double ms_of_many) {
   const double slope = std::max(1e-6, (ms_of_many - ms_of_few) / (many - few));
   const double n = std::clamp(few + (budget_ms - ms_of_few) / slope, 10.0, 20000.0);
@@ -147,7 +154,7 @@ int particlesFor(double budget_ms, int few, double ms_of_few, int many, double m
   return static_cast<int>(std::lround(n / digit) * std::lround(digit));
 }
 
-/// The runs that a document needs, one after the other.
+/// Makes the runs that the document needs, one after the other.
 class Plan {
  public:
   Plan(const CompareOptions& o, std::vector<std::pair<std::string, Sequence>> sequences)
@@ -163,7 +170,8 @@ class Plan {
     Comparison c;
     c.particles = options_.particles;
     c.budget_ms = options_.budget_ms;
-    // Seed by seed, so that what an interrupted run has is a smaller comparison of everything.
+    // Seed by seed: an interrupted command has then compared all methods on all sequences, with
+    // fewer seeds.
     for (int seed = 1; seed <= options_.seeds; ++seed) {
       forEach([&](const auto& sequence, const ComparedMethod& m) {
         const auto get = [&](int particles) {
@@ -187,8 +195,8 @@ class Plan {
         if (fitting == 0)
           fitting = particlesFor(options_.budget_ms, few_, least, options_.particles, most);
         ComparedRun fits = get(fitting);
-        // Far from the measured numbers time is no straight line of them; the next step begins
-        // there.
+        // Far from the two measured numbers of particles, the time is not on the straight line
+        // through them. So a second line starts at the number that was measured just now.
         const double time = fits.update_ms.median;
         if (seed == 1 && fits.failure.empty() && time < 0.75 * options_.budget_ms) {
           const bool fewer = fitting < few_;
@@ -205,7 +213,7 @@ class Plan {
         all_.push_back(r);
     return c;
   }
-  /// Of every number of particles.
+  /// All runs, with every number of particles.
   const std::vector<ComparedRun>& all() const { return all_; }
 
  private:
@@ -221,7 +229,7 @@ class Plan {
   }
 
   const CompareOptions& options_;
-  std::vector<std::pair<std::string, Sequence>> sequences_;  // directory
+  std::vector<std::pair<std::string, Sequence>> sequences_;  // directory and content
   int few_;
   ComparedRuns runs_;
   std::map<std::string, int> fitting_;
@@ -267,19 +275,19 @@ nlohmann::json benchOf(const CompareOptions& o, const std::string& directory) {
 
 int run(const CompareOptions& o) {
   if (!o.one.empty()) {
-    if (o.sequences.size() != 1) throw ParameterError("--one needs one --sequence");
+    if (o.sequences.size() != 1) throw ParameterError("--one needs exactly one --sequence");
     runAndKeep({o.one, o.sequences.front(), "", o.seed, o.particles},
                o.core >= 0 ? o.core : lastCore(), o.out);
     return kExitOk;
   }
   for (const std::string& m : o.methods) comparedMethod(m);
-  if (o.particles < 20) throw ParameterError("--particles: 20 at least");
+  if (o.particles < 20) throw ParameterError("--particles: must be at least 20");
   makeDirectory(o.out);
   if (!o.flights.empty()) checkRate(o);
   std::vector<std::string> directories;
   for (const std::string& f : o.flights) directories.push_back(simulated(f, o));
   directories.insert(directories.end(), o.sequences.begin(), o.sequences.end());
-  if (directories.empty()) throw ParameterError("nothing to compare on: --flight, --sequence");
+  if (directories.empty()) throw ParameterError("nothing to compare: give --flight or --sequence");
   std::vector<std::pair<std::string, Sequence>> sequences;
   sequences.reserve(directories.size());
   for (const std::string& d : directories) sequences.emplace_back(d, readSequence(d));
@@ -315,24 +323,40 @@ void addCompare(CLI::App* app, Action* action) {
   auto o = std::make_shared<CompareOptions>();
   CLI::App* c = app->add_subcommand(
       "compare",
-      "this localizer against MRPT's own filters, on the same recordings: a document with tables "
-      "and plots. What has been run is kept in OUT: the same command goes on where it was stopped. "
-      "A program or model that has changed needs a new OUT");
-  c->add_option("out", o->out, "directory for runs and simulated flights")->required();
-  c->add_option("--flight", o->flights, "YAML file as for simulate; several are allowed")
+      "compare this localizer with MRPT's own filters on the same recordings and write a document "
+      "with tables and plots. Finished runs are kept in OUT, so the same command continues after "
+      "an interruption. When the program or a model has changed, use a new OUT");
+  c->add_option("out", o->out,
+                "directory for runs and simulated flights; it is created if it does not exist")
+      ->required();
+  c->add_option("--flight", o->flights,
+                "YAML file as for simulate, whose flight is simulated; can be given several times")
       ->take_all();
-  c->add_option("--sequence", o->sequences, "sequence directory; map z up; several are allowed")
+  c->add_option("--sequence", o->sequences,
+                "sequence directory, whose map has z up; can be given several times")
       ->take_all();
-  c->add_option("--method", o->methods, "only these; several are allowed")->take_all();
-  c->add_option("--seeds", o->seeds, "runs of each")->check(CLI::PositiveNumber);
-  c->add_option("--particles", o->particles, "of every filter")->check(CLI::Range(0, 1000000));
-  c->add_option("--budget-ms", o->budget_ms, "time of an update for the second table")
+  c->add_option("--method", o->methods,
+                "name of a method to run; can be given several times; default: all methods")
+      ->take_all();
+  c->add_option("--seeds", o->seeds,
+                "number of runs per method and sequence, with the seeds 1, 2, ...; default 5")
       ->check(CLI::PositiveNumber);
-  c->add_option("--rate", o->rate, "images per second of the flights")->check(CLI::PositiveNumber);
-  c->add_option("--core", o->core, "processor core for all runs; default: the last");
-  c->add_flag("--bench", o->bench, "time the paper's flow, too (edge-mcl bench)");
-  c->add_option("--report", o->report, "document to write; pictures go to images/ beside it");
-  // For the processes that it starts.
+  c->add_option("--particles", o->particles,
+                "number of particles of every filter, at least 20; default 1000")
+      ->check(CLI::Range(0, 1000000));
+  c->add_option("--budget-ms", o->budget_ms,
+                "time of an update in the second table, ms; default 30")
+      ->check(CLI::PositiveNumber);
+  c->add_option("--rate", o->rate, "images per second of the simulated flights; default 10")
+      ->check(CLI::PositiveNumber);
+  c->add_option("--core", o->core,
+                "number of the processor core for all runs; default: the last core");
+  c->add_flag("--bench", o->bench,
+              "also time the paper's algorithm, plainly written (edge-mcl bench)");
+  c->add_option("--report", o->report,
+                "document to write, with its pictures in the folder images/ beside it; default: "
+                "OUT/comparison.md");
+  // Hidden options for the processes that this command starts.
   c->add_option("--one", o->one, "")->group("");
   c->add_option("--seed", o->seed, "")->group("");
   c->callback([o, action] { *action = [o] { return run(*o); }; });

@@ -37,7 +37,7 @@ int runSelf(const std::vector<std::string>& arguments, const std::string& output
   if (failed != 0) throw Error("a run cannot be started");
   int status = 0;
   while (waitpid(pid, &status, 0) < 0)
-    if (errno != EINTR) throw Error("a run cannot be waited for");
+    if (errno != EINTR) throw Error("waiting for the end of a run failed");
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -60,13 +60,13 @@ ComparedRun ComparedRuns::get(const RunRequest& r) const {
                               std::to_string(r.particles), "--core", std::to_string(core_), file},
                              "/dev/null");
     if (code == kExitInput || code == kExitUsage)
-      throw InputError(r.directory + ": " + r.method + " cannot be run on it");
-    // As shells and loaders say it: no program, or one whose libraries cannot be loaded.
+      throw InputError(r.directory + ": " + r.method + " cannot be run on this sequence");
+    // Shells and loaders use these codes when a program or one of its libraries cannot be loaded.
     if (code == 126 || code == 127)
       throw Error("a run cannot be started (exit code " + std::to_string(code) +
-                  "): was the program replaced meanwhile?");
+                  "); was the program replaced during the comparison?");
     if (code > 128 && (code - 128 == SIGINT || code - 128 == SIGTERM))
-      throw InputError("interrupted; the same command goes on from here");
+      throw InputError("interrupted; the same command continues from here");
     if (code != kExitOk) {
       ComparedRun crashed;
       crashed.method = r.method;
@@ -81,7 +81,8 @@ ComparedRun ComparedRuns::get(const RunRequest& r) const {
   }
   std::ifstream in(file);
   const nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
-  if (json.is_discarded()) throw InputError(file + ": broken; remove it and run again");
+  if (json.is_discarded())
+    throw InputError(file + ": the file is broken; remove it and run the command again");
   return runFromJson(json, file);
 }
 
@@ -90,7 +91,7 @@ void runAndKeep(const RunRequest& r, int core, const std::string& file) {
   CPU_ZERO(&cores);
   CPU_SET(static_cast<size_t>(core), &cores);
   if (sched_setaffinity(0, sizeof cores, &cores) != 0)
-    throw InputError("core " + std::to_string(core) + " is not to be had");
+    throw InputError("core " + std::to_string(core) + " is not available");
   const ComparedRun run = runCompared(r.method, r.directory, r.seed, r.particles);
   writeJson(file, toJson(run));
 }

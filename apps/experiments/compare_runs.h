@@ -1,4 +1,4 @@
-/// Runs for the comparison: each in a process of its own, each kept in a file.
+/// Makes the runs of a comparison. Each run has its own process, and its result is kept in a file.
 #pragma once
 
 #include <string>
@@ -8,23 +8,26 @@
 
 namespace edge_mcl {
 
-/// What one run needs to know.
+/// Describes one run.
 struct RunRequest {
-  std::string method, directory, sequence;
+  std::string method, directory, sequence;  ///< name of the method, directory, name of the sequence
   uint64_t seed = 1;
   int particles = 0;
 };
 
+/// The runs of a comparison and their results.
 class ComparedRuns {
  public:
-  /// @param folder for results; is made. @param core that the runs are bound to.
+  /// @param folder for the results; it is created if it does not exist.
+  /// @param core number of the processor core that the runs are bound to.
   ComparedRuns(std::string folder, int core);
 
-  /// Read where it is kept, else run. A process that crashes is a result, too; one that does not
-  /// start is none.
-  /// @throws InputError when input is missing or broken, or a kept result is; Error when the run
-  /// cannot be started.
+  /// Reads the result of a run if it is kept, and makes the run otherwise. The crash of a process
+  /// is a result, too, and is kept. A process that does not start has no result. @throws InputError
+  /// when the input of the run or a kept result is missing or broken, or when the run was
+  /// interrupted; Error when the run cannot be started
   ComparedRun get(const RunRequest& request) const;
+  /// Whether the result of a run is kept.
   bool isKept(const RunRequest& request) const;
 
  private:
@@ -33,11 +36,12 @@ class ComparedRuns {
   int core_;
 };
 
-/// What the process does: binds itself to the core, runs, writes the result.
+/// The work of the process of a run: binds itself to the core, runs, writes the result to `file`.
 void runAndKeep(const RunRequest& request, int core, const std::string& file);
 
-/// Runs this program with other arguments, its output into a file. @return its exit code; 128 and
-/// its number for a signal.
+/// Runs this program with other arguments and writes its output to a file.
+/// @return its exit code, or 128 plus the number of the signal that ended it.
+/// @throws Error when it cannot be started
 int runSelf(const std::vector<std::string>& arguments, const std::string& output_file);
 
 }  // namespace edge_mcl

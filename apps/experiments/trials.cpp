@@ -1,5 +1,5 @@
-// edge-mcl trials: many random flights in which something goes wrong. Does it find itself, and does
-// it know when it does not?
+// edge-mcl trials: flies many random flights with a fault. Counts how often the localizer finds the
+// pose, and how often it reports `tracking` at a wrong pose.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,9 +9,10 @@
 #include "apps/common_options.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/recordings/trajectory_evaluation.h"
-#include "edge_mcl/localization/backend_choice.h"
+#include "edge_mcl/localization/map_factory.h"
 #include "edge_mcl/localization/search/pose_sharpener.h"
 #include "edge_mcl/localization/tracking/live_localizer.h"
 #include "edge_mcl/sim/trial_flight.h"
@@ -20,10 +21,9 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-// What counts as the right place.
+// A pose is right when its errors are below these limits, m and rad.
 constexpr double kRightPosition = 0.25, kRightAngle = 5 * kDegree;
-// Fewer lines in view leave the pose open, also for who knows the truth.
+// Fewer lines in view do not fix the pose, even if the search starts at the true pose.
 constexpr double kFewLines = 3;
 
 struct TrialOptions {
@@ -37,29 +37,29 @@ struct TrialOptions {
 
 bool hasEvent(TrialKind kind) { return kind == TrialKind::kKidnap || kind == TrialKind::kBlackout; }
 
-/// Images from the event to where it is over.
+/// Number of images during which the event lasts: the images of the darkness, or 0.
 int darkImages(const TrialOptions& o, TrialKind kind) {
   return kind == TrialKind::kBlackout ? static_cast<int>(std::lround(o.blackout * o.rate)) : 0;
 }
 
-/// How one flight went.
+/// Result of one flight.
 struct Outcome {
   uint64_t seed = 0;
-  /// Images (from the event on) until it reports tracking; negative: never.
+  /// Number of images, from the end of the event on, until the state is tracking; negative: never.
   int found_after = -1;
-  bool wrong = false;        ///< found, but elsewhere
-  int tracking = 0;          ///< images reported as tracking
-  int silent = 0;            ///< of these, at a wrong pose
-  int announced_after = -1;  ///< images after the event until it no longer says tracking
+  bool wrong = false;        ///< tracking began at a wrong pose
+  int tracking = 0;          ///< number of images with the state tracking
+  int silent = 0;            ///< number of these images with a wrong pose
+  int announced_after = -1;  ///< images from the event until not tracking; negative: never
   bool right_at_end = false;
-  int rank = 0;    ///< of the truth among what the search holds at the end, 1: best; 0: not there
-  int looked = 0;  ///< images (from the event on)
-  int bare = 0;    ///< of these, with fewer than kFewLines in view where it really is, or masked
+  int rank = 0;    ///< rank of the true pose in the search at the end, 1: best; 0: not in it
+  int looked = 0;  ///< number of images from the end of the event on
+  int bare = 0;    ///< number of these with fewer than kFewLines unmasked lines, see isBare()
   double search_ms = 0;
-  std::vector<double> nees;  ///< of tracked images
+  std::vector<double> nees;  ///< normalised squared error of every tracked image
 
   bool isFound() const { return found_after >= 0 && !wrong; }
-  /// Most of what it saw was bare walls.
+  /// Whether more than half of the images show few lines.
   bool sawLittle() const { return 2 * bare > looked; }
 };
 
@@ -92,7 +92,7 @@ LiveInput inputOf(const RecordedFrame& frame, const TrialFlight& flight, const T
   return input;
 }
 
-/// Place of the truth among hypotheses, best first, from 1; 0: not among them.
+/// Rank of the true pose in a list of places, best first, from 1; 0: it is not in the list.
 int rankOf(const Pose& truth, const std::vector<PoseCluster>& clusters) {
   for (size_t i = 0; i < clusters.size(); ++i)
     if (isNear(clusters[i].pose, truth, kRightPosition, kRightAngle))
@@ -100,6 +100,7 @@ int rankOf(const Pose& truth, const std::vector<PoseCluster>& clusters) {
   return 0;
 }
 
+/// The pose that the localizer gets at the first image: the true pose with a random error.
 PoseGaussian startOf(const Pose& truth, TrialKind kind, const TrialOptions& o,
                      RandomSource* random) {
   PoseGaussian start;
@@ -114,7 +115,8 @@ PoseGaussian startOf(const Pose& truth, TrialKind kind, const TrialOptions& o,
   return start;
 }
 
-/// Whether an image shows too little of the model at the true pose to tell where that is.
+/// Whether the images show so few lines of the model at the true pose that they do not fix the
+/// pose.
 bool isBare(const LocalizationMap& map, const LiveResult& result, const Pose& truth) {
   if (!map.usesImages()) return false;
   double lines = 0;
@@ -159,7 +161,8 @@ Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
       announced = true;
       outcome.announced_after = i - o.event;
     }
-    // Until it has noticed, "tracking" is the old pose; that is a silent failure, not a find.
+    // Until the localizer has noticed the event, `tracking` is about the old pose. This counts as a
+    // silent failure and not as a pose that was found.
     const bool found = tracking && (right || announced || !has_event);
     if (i >= event && found && outcome.found_after < 0) {
       outcome.found_after = i - event + 1;
@@ -236,13 +239,12 @@ int run(TrialOptions o) {
   }
   const int over = hasEvent(kind) ? o.event + darkImages(o, kind) : 0;
   if (hasEvent(kind) && o.images <= over)
-    throw ParameterError("--images " + std::to_string(o.images) + ": more than " +
-                         std::to_string(over) + " needed, else the flight ends before the event " +
+    throw ParameterError("--images " + std::to_string(o.images) + ": must be more than " +
+                         std::to_string(over) + ", else the flight ends before the event " +
                          "is over (--event, --blackout, --rate)");
   Parameters params = o.parameters.load();
   if (o.depth) params.likelihood.cues = Cues::kBoth;
-  const auto map =
-      std::make_shared<LocalizationMap>(Scenario::fromYamlFile(o.scenario).model_file, params);
+  const auto map = makeMap(Scenario::fromYamlFile(o.scenario).model_file, params);
   std::vector<Outcome> outcomes;
   nlohmann::json flights = nlohmann::json::array();
   ProgressBar bar(o.kind, static_cast<size_t>(o.count));
@@ -260,13 +262,13 @@ int run(TrialOptions o) {
   }
   std::printf(
       "%s, %s: %d flights, %d found, %d wrong, %d not found (%d of these with fewer than %.0f "
-      "lines in view in most images); after %.0f images (median), ",
+      "lines in view in most images); images until found: median %.0f, ",
       o.scenario.c_str(), o.kind.c_str(), o.count, summary["found"].get<int>(),
       summary["wrong"].get<int>(), summary["not_found"].get<int>(),
       summary["not_found_saw_little"].get<int>(), kFewLines,
       summary["found_after_images_median"].get<double>());
-  std::printf("%.0f (90 %%)\n", summary["found_after_images_p90"].get<double>());
-  std::printf("  images tracking %d, of these at a wrong pose %d, in %d flights; NEES %.2f\n",
+  std::printf("90 %% %.0f\n", summary["found_after_images_p90"].get<double>());
+  std::printf("  %d images tracking, %d of these at a wrong pose, in %d flights; mean NEES %.2f\n",
               summary["images_tracking"].get<int>(), summary["silent_failure_images"].get<int>(),
               summary["silent_failure_flights"].get<int>(), summary["nees_mean"].get<double>());
   return kExitOk;
@@ -278,36 +280,50 @@ void addTrials(CLI::App* app, Action* action) {
   auto o = std::make_shared<TrialOptions>();
   CLI::App* c = app->add_subcommand(
       "trials",
-      "random flights through a building in which something goes wrong: is it noticed, is "
-      "the pose found again?");
+      "fly random flights with a fault through a building, and count how often the localizer "
+      "reports the fault and finds the pose again");
   c->add_option("scenario", o->scenario, "YAML file as for simulate; its path is not used")
       ->required();
   c->add_option("--kind", o->kind,
-                "global (start unknown), offset (start known badly), kidnap (carried elsewhere), "
-                "blackout (no light, odometry drifts), track (nothing)");
-  c->add_option("--count", o->count, "flights")->check(CLI::PositiveNumber);
-  c->add_option("--images", o->images, "of a flight; 0: 20, 10, until 5 s after the event, 80")
+                "fault of the flights: global (default; the start is not known), offset (the start "
+                "has an error), kidnap (the robot is carried elsewhere), blackout (there is no "
+                "light and odometry drifts), track (no fault)");
+  c->add_option("--count", o->count, "number of flights; default 50")->check(CLI::PositiveNumber);
+  c->add_option(
+       "--images", o->images,
+       "number of images of a flight; 0 (default): 20 for global, 10 for offset, 80 for track, "
+       "until 5 s after the event for kidnap and blackout")
       ->check(CLI::NonNegativeNumber);
-  c->add_option("--rate", o->rate, "images per second")->check(CLI::PositiveNumber);
-  c->add_option("--event", o->event, "image at which it goes wrong (kidnap, blackout)")
+  c->add_option("--rate", o->rate, "images per second; default 10")->check(CLI::PositiveNumber);
+  c->add_option("--event", o->event,
+                "number of the image at which the fault begins (kidnap, blackout); default 30")
       ->check(CLI::PositiveNumber);
-  c->add_option("--first-seed", o->first_seed, "of the flights");
-  c->add_option("--offset", o->offset, "largest start error, m (offset)")
+  c->add_option("--first-seed", o->first_seed,
+                "seed of the first flight; each later flight has the next seed; default 1");
+  c->add_option("--offset", o->offset, "largest position error of the start, m (offset); default 1")
       ->check(CLI::NonNegativeNumber);
-  c->add_option("--angle", o->angle, "largest start error, deg (offset)")
+  c->add_option("--angle", o->angle,
+                "largest rotation error of the start, degrees (offset); default 15")
       ->check(CLI::NonNegativeNumber);
-  c->add_option("--blackout", o->blackout, "s without light (blackout)")
+  c->add_option("--blackout", o->blackout, "duration of the darkness, s (blackout); default 10")
       ->check(CLI::NonNegativeNumber);
-  c->add_option("--drift", o->drift, "m that odometry drifts meanwhile (blackout)")
+  c->add_option("--drift", o->drift,
+                "distance that odometry drifts in the darkness, m (blackout); default 1")
       ->check(CLI::NonNegativeNumber);
-  c->add_flag("--no-gravity", o->no_gravity, "roll and pitch are not known");
-  c->add_option("--imu-sigma", o->imu_sigma_deg, "error of roll and pitch, deg")
+  c->add_flag("--no-gravity", o->no_gravity,
+              "do not give roll and pitch to the localizer; default: they are given (--imu-sigma)");
+  c->add_option("--imu-sigma", o->imu_sigma_deg,
+                "standard deviation of the given roll and pitch, degrees; default 1")
       ->check(CLI::NonNegativeNumber);
-  c->add_flag("--no-mask", o->no_mask, "movable objects are not masked");
+  c->add_flag("--no-mask", o->no_mask,
+              "do not give masks of the movable objects; default: exact masks are given");
   c->add_flag("--depth", o->depth,
-              "a depth camera as well (exact, and not darkened by a blackout); cues: both");
-  c->add_option("--out", o->out, "JSON file with every flight, written as they end");
-  c->add_flag("--json", o->json, "print the summary as JSON");
+              "use a depth camera as well (likelihood.cues = both); its images have no noise and "
+              "are not darkened by a blackout");
+  c->add_option(
+      "--out", o->out,
+      "JSON file with the result of every flight, written after each flight; default: none");
+  c->add_flag("--json", o->json, "print the summary as JSON; default: as text");
   o->parameters.addTo(c);
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }

@@ -1,4 +1,4 @@
-// edge-mcl detect: images in, masks of what is not in the map out.
+// edge-mcl detect: finds objects that are not in the map, and writes masks of them.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -47,12 +47,13 @@ bool isImageFile(const fs::path& path) {
          extension == ".bmp" || extension == ".pgm" || extension == ".ppm";
 }
 
-/// @param camera of a sequence, whose images follow each other; none: single images.
+/// Lists the images of all inputs. @param camera is set for a sequence, whose images follow each
+/// other in time. It stays empty for single images.
 std::vector<InputImage> imagesOf(const DetectOptions& o, std::optional<CameraModel>* camera) {
   std::vector<InputImage> images;
   for (const std::string& input : o.inputs) {
     if (fs::exists(fs::path(input) / "rgb.txt")) {
-      if (o.inputs.size() > 1) throw ParameterError("one sequence at a time");
+      if (o.inputs.size() > 1) throw ParameterError("a sequence directory must be the only input");
       const Sequence sequence = readSequence(input);
       *camera = sequence.camera;
       for (const SequenceFrame& f : sequence.frames)
@@ -68,7 +69,7 @@ std::vector<InputImage> imagesOf(const DetectOptions& o, std::optional<CameraMod
       images.push_back({0, fs::path(input).stem().string(), input, ""});
     }
   }
-  if (images.empty()) throw InputError(o.inputs.front() + ": no images there");
+  if (images.empty()) throw InputError(o.inputs.front() + ": the folder has no images");
   return images;
 }
 
@@ -78,7 +79,8 @@ std::string overlayOf(const DetectOptions& o, const InputImage& image) {
   return o.overlay + "/" + image.name + ".png";
 }
 
-/// @throws ParameterError when a file would be written twice, or upon one that is read.
+/// Checks the names of the output files. @throws ParameterError when a file would be written twice,
+/// or would overwrite an input
 void refuseOverwriting(const DetectOptions& o, const std::vector<InputImage>& images) {
   const auto placeOf = [](const std::string& file) {
     std::error_code unknown;
@@ -87,14 +89,14 @@ void refuseOverwriting(const DetectOptions& o, const std::vector<InputImage>& im
   };
   std::set<std::string> read;
   for (const std::string& input : o.inputs)
-    if (fs::exists(fs::path(input) / "rgb.txt"))  // a list that is not there may well be made
+    if (fs::exists(fs::path(input) / "rgb.txt"))  // a missing list is no input and may be written
       for (const char* list : {"/rgb.txt", "/mask.txt"})
         if (fs::exists(input + list)) read.insert(placeOf(input + list));
   for (const InputImage& image : images) {
     read.insert(placeOf(image.file));
     if (!image.true_mask_file.empty()) read.insert(placeOf(image.true_mask_file));
   }
-  std::map<std::string, std::string> written;  // by place: what
+  std::map<std::string, std::string> written;  // path of an output file -> its content
   const auto claim = [&](const std::string& file, const std::string& what) {
     const std::string place = placeOf(file);
     if (read.count(place) > 0)
@@ -110,7 +112,8 @@ void refuseOverwriting(const DetectOptions& o, const std::vector<InputImage>& im
   }
 }
 
-/// @param as_stored a sequence's masks lie on its pixels, however a photograph says it was held.
+/// @param as_stored true: the orientation that a photograph stores is ignored, because the masks of
+/// a sequence belong to the stored pixels.
 cv::Mat readAnyImage(const std::string& file, bool as_stored) {
   cv::Mat image;
   try {
@@ -119,13 +122,13 @@ cv::Mat readAnyImage(const std::string& file, bool as_stored) {
   } catch (const cv::Exception& e) {
     throw InputError(file + ": cannot be decoded: " + e.err);
   }
-  if (image.empty()) throw InputError(file + ": missing or not a readable image");
+  if (image.empty()) throw InputError(file + ": the file is missing or is not a readable image");
   return image;
 }
 
 cv::Mat readTrueMask(const std::string& file, const CameraModel& camera, const cv::Size& size) {
   cv::Mat mask = readMask(file, camera);
-  if (mask.size() != size) throw InputError(file + ": its image has another size");
+  if (mask.size() != size) throw InputError(file + ": the mask has another size than its image");
   return mask;
 }
 
@@ -135,17 +138,18 @@ void print(const nlohmann::json& summary, const nlohmann::json& found, bool sing
       std::printf("%s:", entry["image"].get<std::string>().c_str());
       for (const auto& d : entry["objects"])
         std::printf(" %s %.2f", d["class"].get<std::string>().c_str(), d["score"].get<double>());
-      std::printf("%s\n", entry["objects"].empty() ? " nothing" : "");
+      std::printf("%s\n", entry["objects"].empty() ? " no objects" : "");
     }
-  std::printf("%s: %zu images, %zu runs of the network, %.1f ms each",
+  std::printf("%s: %zu images, %zu runs of the network (median %.1f ms)",
               summary["model"].get<std::string>().c_str(), summary["images"].get<size_t>(),
               summary["network_runs"].get<size_t>(), summary["network_ms_median"].get<double>());
   if (summary.contains("tracking_ms_median"))
-    std::printf(", tracking %.1f ms per image", summary["tracking_ms_median"].get<double>());
-  std::printf("; %.0f %% of an image masked (median)\n",
+    std::printf(", tracking (median %.1f ms per image)",
+                summary["tracking_ms_median"].get<double>());
+  std::printf("; masked share of an image: median %.0f %%\n",
               100 * summary["covered_median"].get<double>());
   if (summary.contains("mask_iou_mean"))
-    std::printf("overlap with the sequence's own masks: %.3f (mean over images)\n",
+    std::printf("overlap (intersection over union) with the masks of the sequence: mean %.3f\n",
                 summary["mask_iou_mean"].get<double>());
 }
 
@@ -154,7 +158,7 @@ int run(const DetectOptions& o) {
   for (const std::string& assignment : o.assignments) {
     const auto equals = assignment.find('=');
     if (equals == std::string::npos)
-      throw ParameterError("--set " + assignment + ": name=value expected");
+      throw ParameterError("--set " + assignment + ": must have the form name=value");
     parameters.set(assignment.substr(0, equals), assignment.substr(equals + 1));
   }
   parameters.validate();
@@ -162,7 +166,8 @@ int run(const DetectOptions& o) {
   const std::vector<InputImage> images = imagesOf(o, &camera);
   const bool is_sequence = camera.has_value();
   if (!is_sequence && o.rate >= 0)
-    throw ParameterError("--rate belongs to a sequence: single images cannot be tracked");
+    throw ParameterError(
+        "--rate needs a sequence directory: objects in single images cannot be tracked");
   refuseOverwriting(o, images);
   const DetectorModel model =
       DetectorModel::fromYamlFile(o.model.empty() ? defaultModelFile() : o.model);
@@ -250,24 +255,37 @@ int run(const DetectOptions& o) {
 
 void addDetect(CLI::App* app, Action* action) {
   auto o = std::make_shared<DetectOptions>();
-  CLI::App* c = app->add_subcommand("detect", "mask what moves: people, sofas, chairs, computers");
-  c->add_option("input", o->inputs, "images, a folder of them, or a sequence directory")
+  CLI::App* c = app->add_subcommand(
+      "detect", "find people, sofas, chairs and computers in images, and write masks of them");
+  c->add_option("input", o->inputs, "image files, folders of images, or one sequence directory")
       ->required();
-  c->add_option("--model", o->model,
-                "YAML description of a network; default: the one that comes with the package");
-  c->add_option("--out", o->out, "directory for mask.txt and mask/, for `localize --masks`");
-  c->add_option("--overlay", o->overlay, "directory for pictures of what was found");
+  c->add_option(
+      "--model", o->model,
+      "YAML file that describes a network (see docs/detector.md); default: the network that "
+      "comes with the package");
+  c->add_option(
+      "--out", o->out,
+      "directory for mask.txt and the folder mask/, which `localize --masks` reads; default: "
+      "no masks are written");
+  c->add_option(
+      "--overlay", o->overlay,
+      "directory for pictures of the images with the found objects; default: no pictures");
   CLI::Option* rate =
       c->add_option("--rate", o->rate,
-                    "of a sequence: runs of the network per second, 0 = every image; objects are "
-                    "tracked in between. Without it every image is looked at by itself")
+                    "runs of the network per second, in a sequence; 0 = one run for every image; "
+                    "objects are tracked between the runs. Default: the network runs on every "
+                    "image and nothing is tracked")
           ->check(CLI::Range(0.0, 1e4));
-  c->add_option("--delay", o->delay, "s after which the network's result is there, with --rate")
+  c->add_option(
+       "--delay", o->delay,
+       "time from an image to the use of the network's result, s; only with --rate; default 0")
       ->check(CLI::Range(0.0, 60.0))
       ->needs(rate);
-  c->add_option("--set", o->assignments,
-                "one parameter of the detector, e.g. dilation=5 (repeatable)");
-  c->add_flag("--json", o->json, "print what was found as JSON");
+  c->add_option(
+      "--set", o->assignments,
+      "sets one parameter of the detector, e.g. --set dilation=5; can be given several times "
+      "(see docs/parameters.md)");
+  c->add_flag("--json", o->json, "print the found objects as JSON; default: as text");
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }
 

@@ -1,4 +1,4 @@
-// edge-mcl evaluate: errors of a trajectory against a reference, without alignment.
+// edge-mcl evaluate: computes the errors of a trajectory against a reference, without alignment.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -6,7 +6,7 @@
 #include "apps/common_options.h"
 #include "apps/output_files.h"
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/drawing/overlay.h"
+#include "edge_mcl/core/drawing/trajectory_plot.h"
 #include "edge_mcl/core/image/picture_file.h"
 #include "edge_mcl/core/recordings/trajectory_evaluation.h"
 
@@ -32,11 +32,11 @@ void print(const char* name, const char* unit, double factor, const ErrorSummary
 
 int run(const EvaluateOptions& o) {
   const Trajectory estimate = readTrajectory(o.estimate), reference = readTrajectory(o.reference);
-  if (reference.empty()) throw InputError(o.reference + ": no poses in it");
+  if (reference.empty()) throw InputError(o.reference + ": the file has no poses");
   const TrajectoryErrors e =
       evaluateTrajectory(estimate, reference, o.max_dt, o.position_limit, o.rotation_limit);
   if (!o.plot.empty()) writePicture(o.plot, drawTrajectories(estimate, reference));
-  // No errors where there is no pair: zeros would look like a perfect result.
+  // Without a pair of poses no errors are printed, because zeros would look like a perfect result.
   const ExitCode code = e.matched > 0 ? kExitOk : kExitIncomplete;
   if (o.json) {
     nlohmann::json j = {{"reference_poses", e.reference_poses}, {"matched", e.matched}};
@@ -57,9 +57,9 @@ int run(const EvaluateOptions& o) {
   print("absolute rotation", "deg", 1, e.rotation_summary);
   print("relative position per step", "cm", 100, e.relative_position);
   print("relative rotation per step", "deg", 1, e.relative_rotation);
-  std::printf("within %g m and %g deg: %.1f %% of the matched, %.1f %% of the reference poses\n",
-              o.position_limit, o.rotation_limit, 100 * e.success_share_of_matched,
-              100 * e.success_share);
+  std::printf(
+      "within %g m and %g deg: %.1f %% of the matched poses, %.1f %% of the reference poses\n",
+      o.position_limit, o.rotation_limit, 100 * e.success_share_of_matched, 100 * e.success_share);
   return code;
 }
 
@@ -67,14 +67,18 @@ int run(const EvaluateOptions& o) {
 
 void addEvaluate(CLI::App* app, Action* action) {
   auto o = std::make_shared<EvaluateOptions>();
-  CLI::App* c = app->add_subcommand("evaluate", "errors of a trajectory, without alignment");
-  c->add_option("estimate", o->estimate, "TUM trajectory")->required();
-  c->add_option("reference", o->reference, "TUM trajectory of the truth")->required();
-  c->add_option("--plot", o->plot, "picture of both trajectories");
-  c->add_option("--max-dt", o->max_dt, "largest time difference of a pair, s");
-  c->add_option("--position-limit", o->position_limit, "success: position within, m");
-  c->add_option("--rotation-limit", o->rotation_limit, "success: rotation within, deg");
-  c->add_flag("--json", o->json, "print the result as JSON");
+  CLI::App* c = app->add_subcommand(
+      "evaluate", "compute the errors of a trajectory against a reference, without alignment");
+  c->add_option("estimate", o->estimate, "file with the trajectory, in TUM format")->required();
+  c->add_option("reference", o->reference, "file with the ground truth, in TUM format")->required();
+  c->add_option("--plot", o->plot, "file for a picture of both trajectories; default: no picture");
+  c->add_option("--max-dt", o->max_dt,
+                "largest time difference between two poses that are compared, s; default 0.005");
+  c->add_option("--position-limit", o->position_limit,
+                "a pose is right when its position error is below this, m; default 0.1");
+  c->add_option("--rotation-limit", o->rotation_limit,
+                "a pose is right when also its rotation error is below this, degrees; default 3");
+  c->add_flag("--json", o->json, "print the result as JSON; default: as text");
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }
 

@@ -23,7 +23,7 @@ std::unique_ptr<Recorder> recorderForFile(const std::string& file, const Recordi
 #ifdef EDGE_MCL_HAS_ROS
   return std::make_unique<BagWriter>(file, setup);
 #else
-  throw InputError(file + ": this build has no ROS, so it writes no bags");
+  throw InputError(file + ": this build has no ROS, so it cannot write bags");
 #endif
 }
 

@@ -1,4 +1,4 @@
-/// The recorder for a file name.
+/// Chooses the format of a recording by the name of its file.
 #pragma once
 
 #include <memory>
@@ -9,9 +9,11 @@
 
 namespace edge_mcl {
 
-/// `*.bag`: a ROS bag; `*.rawlog`: an MRPT rawlog; null for anything else.
-/// @param noise of the rawlog's actions. @throws InputError when it cannot be written, or a bag is
-/// wanted of a build without ROS.
+/// Makes a recorder: a ROS bag for a file `*.bag`, an MRPT rawlog for a file `*.rawlog`.
+/// @param noise odometry noise that is written with the actions of a rawlog.
+/// @return null for any other name.
+/// @throws InputError when the file cannot be written, or when it is a bag and this build has no
+/// ROS
 std::unique_ptr<Recorder> recorderForFile(const std::string& file, const RecordingSetup& setup,
                                           const FilterParameters& noise);
 

@@ -7,7 +7,7 @@
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/recordings/sequence.h"
-#include "edge_mcl/localization/backend_choice.h"
+#include "edge_mcl/localization/map_factory.h"
 #include "edge_mcl/localization/recorded/sequence_input.h"
 #include "edge_mcl/mrpt_plugins/rawlog_input.h"
 #ifdef EDGE_MCL_HAS_ROS
@@ -21,38 +21,45 @@ namespace edge_mcl {
 
 void RecordingOptions::addTo(CLI::App* c) {
   c->add_option("sequence", recording,
-                "directory with rgb.txt, camera.yaml, sequence.yaml (see docs/sequences.md), a bag "
-                "(see docs/ros.md) or a rawlog")
+                "recording: a directory with rgb.txt, camera.yaml and sequence.yaml (see "
+                "docs/sequences.md), a ROS bag *.bag (see docs/ros.md) or an MRPT rawlog *.rawlog")
       ->required();
-  c->add_option("--model", model, "model file, if not SEQUENCE/model.obj");
-  CLI::Option* initial_spread = c->add_option("--initial-std", initial_std,
-                                              "spread of the first particles as metres,degrees");
+  c->add_option("--model", model,
+                "model file; default: SEQUENCE/model.obj; required for a bag or rawlog");
+  CLI::Option* initial_spread =
+      c->add_option("--initial-std", initial_std,
+                    "standard deviation of the initial pose per axis, as metres,degrees; default: "
+                    "that of the recording, or 0.1,3 when it has none");
   CLI::Option* everywhere =
       c->add_flag("--global", global,
-                  "do not begin at the initial pose but look for the camera in the whole model")
+                  "search for the pose in the whole model; default: start at the initial pose")
           ->excludes(initial_spread);
   CLI::Option* upright =
       c->add_option("--up", up,
-                    "the same, knowing which way is up in the first image: x,y,z in the axes of "
-                    "the camera (of a bag or rawlog: of the base), e.g. 0,-1,0 for a level camera")
+                    "search for the pose in the whole model, with the upward direction in the "
+                    "first image: x,y,z in the axes of the camera (in a bag or rawlog: of the "
+                    "base), e.g. 0,-1,0 for a level camera; default: not known")
           ->excludes(initial_spread);
-  c->add_option("--topics", topics,
-                "of a bag: image=/cam/image_raw,camera_info=...,mask=...,odom_frame=odom,...");
+  c->add_option(
+      "--topics", topics,
+      "names of topics and frames in a bag, e.g. image=/cam/image_raw,mask=,odom_frame=odom "
+      "(see docs/ros.md); default: the names that `edge-mcl bag` writes");
   c->add_option("--initial-pose", initial_pose,
-                "of a rawlog, or of a bag without initialpose: x,y,z,roll,pitch,yaw of the base; "
-                "metres, degrees")
+                "initial pose of the base as x,y,z,roll,pitch,yaw, in metres and degrees; only for "
+                "a bag or rawlog; default: the initial pose of the recording")
       ->excludes(everywhere)
       ->excludes(upright);
   c->add_option(
       "--camera", camera,
-      "calibration (YAML of camera_calibration) for images of a rawlog that have none, as "
-      "MRPT's rosbag2rawlog writes them");
+      "file with the calibration (YAML of ROS camera_calibration), for rawlogs whose images have "
+      "none, as MRPT's rosbag2rawlog writes them; default: the calibration in the rawlog");
   c->add_flag("--depth", depth,
-              "use the depth images, too (likelihood.cues = both, unless it says depth)");
-  CLI::Option* without_masks =
-      c->add_flag("--no-mask", no_mask, "do not use the masks of the recording");
+              "use the depth images as well: sets likelihood.cues to both, unless it is depth");
+  CLI::Option* without_masks = c->add_flag(
+      "--no-mask", no_mask, "use no masks; default: the masks of the recording are used");
   c->add_option("--masks", masks,
-                "directory with mask.txt (see `edge-mcl detect --out`) to use instead")
+                "directory with mask.txt (see `edge-mcl detect --out`), used in place of the "
+                "recording's masks; only for a sequence directory")
       ->excludes(without_masks);
   parameters.addTo(c);
 }
@@ -73,37 +80,40 @@ Parameters parametersOf(const RecordingOptions& options) {
   return params;
 }
 
+namespace {
+
+/// Reads "metres,degrees", e.g. "0.1,3".
+/// @return metres and radians.
+/// @throws ParameterError
 std::pair<double, double> parseInitialStd(const std::string& text) {
   double metres = NAN, degrees = NAN;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%lf,%lf%c", &metres, &degrees, &rest) != 2 || !(metres >= 0) ||
       !(degrees >= 0) || !std::isfinite(metres + degrees))
-    throw ParameterError("--initial-std " + text + ": two numbers expected, metres,degrees");
+    throw ParameterError("--initial-std " + text +
+                         ": must be two numbers metres,degrees that are not negative");
   return {metres, degrees * M_PI / 180};
 }
 
+/// Reads a direction "x,y,z", e.g. "0,-1,0".
+/// @return a unit vector; none for an empty text.
+/// @throws ParameterError
 std::optional<Eigen::Vector3d> parseUp(const std::string& text) {
   if (text.empty()) return std::nullopt;
   Eigen::Vector3d up;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &up.x(), &up.y(), &up.z(), &rest) != 3 ||
       !up.allFinite() || up.norm() < 1e-3)
-    throw ParameterError("--up " + text + ": a direction x,y,z expected");
+    throw ParameterError("--up " + text + ": must be a direction x,y,z");
   return up.normalized();
 }
 
+/// @throws ParameterError when an option is set that only bags or rawlogs have
 void checkOptionsOfDirectory(const RecordingOptions& o) {
   if (!o.topics.empty() || !o.initial_pose.empty())
-    throw ParameterError("--topics and --initial-pose belong to a bag or rawlog");
-  if (!o.camera.empty()) throw ParameterError("--camera belongs to a rawlog");
+    throw ParameterError("--topics needs a bag, and --initial-pose needs a bag or rawlog");
+  if (!o.camera.empty()) throw ParameterError("--camera needs a rawlog");
 }
-
-void sayThatNoPoseWasFound(const std::string& recording) {
-  std::fprintf(stderr, "warning: %s: no pose was found; the trajectory is empty\n",
-               recording.c_str());
-}
-
-namespace {
 
 #ifdef EDGE_MCL_HAS_ROS
 BagTopics parseTopics(const RecordingOptions& o) {
@@ -123,10 +133,11 @@ BagTopics parseTopics(const RecordingOptions& o) {
     const auto equals = entry.find('=');
     const auto field = fields.find(entry.substr(0, equals));
     if (equals == std::string::npos || field == fields.end())
-      throw ParameterError("--topics " + entry +
-                           ": NAME=TOPIC expected, NAME one of image, camera_info, mask, depth, "
-                           "depth_info, truth, "
-                           "initialpose, odometry, odom_frame, base_frame");
+      throw ParameterError(
+          "--topics " + entry +
+          ": must have the form NAME=TOPIC, where NAME is one of image, camera_info, mask, depth, "
+          "depth_info, truth, "
+          "initialpose, odometry, odom_frame, base_frame");
     *field->second = entry.substr(equals + 1);
   }
   if (o.no_mask) topics.mask.clear();
@@ -147,17 +158,18 @@ PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaus
     if (std::sscanf(o.initial_pose.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%c", &v[0], &v[1], &v[2], &v[3],
                     &v[4], &v[5], &rest) != 6)
       throw ParameterError("--initial-pose " + o.initial_pose +
-                           ": x,y,z,roll,pitch,yaw expected (metres, degrees)");
+                           ": must be x,y,z,roll,pitch,yaw (metres, degrees)");
     const double degree = M_PI / 180;
     pose.mean.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
     pose.mean.linear() = rotationFromAngles(v[3] * degree, v[4] * degree, v[5] * degree);
   } else if (recorded) {
     pose = *recorded;
   } else {
-    throw InputError(o.recording + ": no initial pose in it; give one " +
-                     (kindOf(o.recording) == RecordingKind::kDirectory ? "in its sequence.yaml"
-                                                                       : "with --initial-pose") +
-                     ", or look for it with --global");
+    throw InputError(o.recording + ": the recording has no initial pose; " +
+                     (kindOf(o.recording) == RecordingKind::kDirectory
+                          ? "set initial_pose in its sequence.yaml"
+                          : "give it with --initial-pose") +
+                     ", or search for it with --global");
   }
   if (!o.initial_std.empty() || pose.covariance.isZero()) {
     const auto [metres, radians] = parseInitialStd(o.initial_std.empty() ? "0.1,3" : o.initial_std);
@@ -175,60 +187,72 @@ void openDirectory(const RecordingOptions& o, const Parameters& params, bool eve
   if (!o.masks.empty()) useMasks(o.masks, &sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
   opened->name = sequence.name;
+  opened->trajectory_pose = "T_map_camera";
   if (opened->model_file.empty()) opened->model_file = sequence.model_file;
   if (opened->model_file.empty())
-    throw InputError(o.recording + ": no model.obj in it; name the model with --model");
+    throw InputError(o.recording + ": the directory has no model.obj; name the model with --model");
   if (params.likelihood.cues != Cues::kEdges && sequence.depths.empty())
-    throw InputError(o.recording + ": depth asked for, but there is no depth.txt in it");
+    throw InputError(o.recording + ": depth asked for, but the directory has no depth.txt");
   const SequenceParts parts{everything || params.likelihood.cues != Cues::kDepth, !o.no_mask,
                             everything || params.likelihood.cues != Cues::kEdges};
   opened->input = std::make_unique<SequenceInput>(std::move(sequence), parts);
+}
+
+std::unique_ptr<RecordedInput> openRawlog(const RecordingOptions& o, const Parameters& params,
+                                          bool everything) {
+  if (!o.topics.empty()) throw ParameterError("--topics needs a bag");
+  const bool needs_depth = params.likelihood.cues != Cues::kEdges;
+  std::optional<CameraModel> camera;
+  if (!o.camera.empty()) camera = CameraModel::fromYamlFile(o.camera);
+  auto rawlog =
+      std::make_unique<RawlogInput>(o.recording, !o.no_mask, everything || needs_depth, camera);
+  if (needs_depth && rawlog->rangeCount() == 0)
+    throw InputError(o.recording + ": depth asked for, but the rawlog has no range images");
+  return rawlog;
+}
+
+std::unique_ptr<RecordedInput> openBag(const RecordingOptions& o, const Parameters& params,
+                                       bool everything) {
+#ifdef EDGE_MCL_HAS_ROS
+  const bool needs_depth = params.likelihood.cues != Cues::kEdges;
+  BagTopics topics = parseTopics(o);
+  if (!everything && !needs_depth) topics.depth.clear();
+  auto bag = std::make_unique<BagReader>(o.recording, topics);
+  if (needs_depth && !hasMessages(o.recording, topics.depth))
+    throw InputError(o.recording + ": depth asked for, but there are no images on '" +
+                     topics.depth + "'");
+  return bag;
+#else
+  (void)params;
+  (void)everything;
+  throw InputError(o.recording + ": this build has no ROS, so it cannot read bags");
+#endif
 }
 
 }  // namespace
 
 OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
   const Parameters params = parametersOf(o);
-  const bool needs_depth = params.likelihood.cues != Cues::kEdges;
-  const bool depths = everything || needs_depth;
   OpenedRecording opened;
   opened.name = o.recording;
   opened.model_file = o.model;
   const RecordingKind kind = kindOf(o.recording);
   if (!o.camera.empty() && kind != RecordingKind::kRawlog)
-    throw ParameterError("--camera belongs to a rawlog");
+    throw ParameterError("--camera needs a rawlog");
   if (kind == RecordingKind::kDirectory) {
     openDirectory(o, params, everything, &opened);
   } else {
-    if (!o.masks.empty()) throw ParameterError("--masks belongs to a directory");
+    if (!o.masks.empty()) throw ParameterError("--masks needs a sequence directory");
     if (o.model.empty()) throw InputError(o.recording + ": name the model with --model");
-    if (kind == RecordingKind::kRawlog) {
-      if (!o.topics.empty()) throw ParameterError("--topics belongs to a bag");
-      std::optional<CameraModel> camera;
-      if (!o.camera.empty()) camera = CameraModel::fromYamlFile(o.camera);
-      auto rawlog = std::make_unique<RawlogInput>(o.recording, !o.no_mask, depths, camera);
-      if (needs_depth && rawlog->rangeCount() == 0)
-        throw InputError(o.recording + ": depth asked for, but there are no range images in it");
-      opened.input = std::move(rawlog);
-    } else {
-#ifdef EDGE_MCL_HAS_ROS
-      BagTopics topics = parseTopics(o);
-      if (!depths) topics.depth.clear();
-      opened.input = std::make_unique<BagReader>(o.recording, topics);
-      if (needs_depth && !hasMessages(o.recording, topics.depth))
-        throw InputError(o.recording + ": depth asked for, but there are no images on '" +
-                         topics.depth + "'");
-#else
-      throw InputError(o.recording + ": this build has no ROS, so it reads no bags");
-#endif
-    }
+    opened.input = kind == RecordingKind::kRawlog ? openRawlog(o, params, everything)
+                                                  : openBag(o, params, everything);
   }
   if (const std::string damage = opened.input->damage(); !damage.empty())
     std::fprintf(stderr, "warning: %s\n", damage.c_str());
-  opened.up = parseUp(o.up);
-  if (!o.global && !opened.up) opened.start = initialPose(o, opened.input->initialPose());
-  opened.map = std::make_shared<LocalizationMap>(opened.model_file, params);
-  chooseBackend(opened.map.get());
+  opened.start.up_base = parseUp(o.up);
+  if (!o.global && !opened.start.up_base)
+    opened.start.pose = initialPose(o, opened.input->initialPose());
+  opened.map = makeMap(opened.model_file, params);
   for (const std::string& w : opened.map->mesh().report.warnings)
     std::fprintf(stderr, "warning: %s: %s\n", opened.model_file.c_str(), w.c_str());
   return opened;

@@ -9,49 +9,45 @@
 
 #include "apps/common_options.h"
 #include "edge_mcl/core/localization_map.h"
-#include "edge_mcl/localization/recorded/recorded_input.h"
+#include "edge_mcl/localization/recorded/recorded_localizer.h"
 
 namespace edge_mcl {
 
+/// The options. An empty text means that the option is not given.
 struct RecordingOptions {
   std::string recording, model, initial_std, masks, up;
-  std::string topics, initial_pose;  // of a bag or rawlog
-  std::string camera;                // of a rawlog
+  /// `topics` is only for a bag, `initial_pose` only for a bag or rawlog.
+  std::string topics, initial_pose;
+  std::string camera;  // only for a rawlog
   bool no_mask = false, depth = false, global = false;
   ParameterOptions parameters;
 
+  /// Adds the options to a subcommand.
   void addTo(CLI::App* command);
 };
 
 enum class RecordingKind { kDirectory, kBag, kRawlog };
-/// By the name's ending.
+/// The kind of a recording by the ending of its name: .bag, .rawlog, or a directory.
 RecordingKind kindOf(const std::string& recording);
 
-/// The method's parameters, with what --depth makes of them. @throws ParameterError
+/// Parameters of the method. With `--depth`, likelihood.cues changes from edges to both.
+/// @throws ParameterError, InputError
 Parameters parametersOf(const RecordingOptions& options);
 
-/// "0.1,3": metres and degrees, as metres and radians. @throws ParameterError
-std::pair<double, double> parseInitialStd(const std::string& text);
-
-/// "0,-1,0": a direction; empty: none. @throws ParameterError
-std::optional<Eigen::Vector3d> parseUp(const std::string& text);
-
-/// A recording, the map it is in, and where to begin.
+/// A recording that is open, its map, and where the localization starts.
 struct OpenedRecording {
   std::string name, model_file;
   std::shared_ptr<LocalizationMap> map;
   std::unique_ptr<RecordedInput> input;
-  std::optional<PoseGaussian> start;  ///< T_map_base; none: to be looked for
-  std::optional<Eigen::Vector3d> up;  ///< base axes, in the first image
+  RecordedStart start;
+  /// Pose that the trajectory holds: T_map_base. A directory has no base, so its trajectory holds
+  /// T_map_camera.
+  std::string trajectory_pose = "T_map_base";
 };
-/// @param everything images and depth are read, whatever the localizer needs. Prints warnings.
-/// @throws InputError, ParameterError
+/// Opens a recording and loads its model. Prints warnings on stderr.
+/// @param everything true: images and depth are read even if the localizer does not need them.
+/// @throws InputError when a file cannot be used or data are missing; ParameterError when an option
+/// is wrong or does not fit the kind of recording
 OpenedRecording openRecording(const RecordingOptions& options, bool everything);
-
-/// @throws ParameterError when there are some of bags and rawlogs.
-void checkOptionsOfDirectory(const RecordingOptions& options);
-
-/// To the standard error.
-void sayThatNoPoseWasFound(const std::string& recording);
 
 }  // namespace edge_mcl

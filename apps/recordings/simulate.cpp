@@ -1,4 +1,4 @@
-// edge-mcl simulate: a scenario in, a recorded sequence, bag or rawlog out.
+// edge-mcl simulate: flies a scenario and writes a sequence directory, a bag or a rawlog.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -49,7 +49,7 @@ int run(const SimulateOptions& o) {
   ProgressBar bar("simulate", total);
   const auto start = std::chrono::steady_clock::now();
   size_t dropped = 0;
-  std::future<void> writing;  // of one image, while the next is rendered
+  std::future<void> writing;  // writes one image while the next one is rendered
   size_t flown = 0;
   for (; flown < total && !interrupted; ++flown) {
     auto frame = std::make_shared<RecordedFrame>();
@@ -67,8 +67,8 @@ int run(const SimulateOptions& o) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const bool complete = flown == total;
-  std::printf("%s: %zu images%s, %zu dropped on the way, %.1f images/s\n", o.out.c_str(),
-              recorder->count(), complete ? "" : " (interrupted)", dropped,
+  std::printf("%s: %zu images%s, %zu dropped by the faults of the scenario, %.1f images/s\n",
+              o.out.c_str(), recorder->count(), complete ? "" : " (interrupted)", dropped,
               static_cast<double>(recorder->count()) / seconds);
   return complete ? kExitOk : kExitIncomplete;
 }
@@ -78,16 +78,23 @@ int run(const SimulateOptions& o) {
 void addSimulate(CLI::App* app, Action* action) {
   auto o = std::make_shared<SimulateOptions>();
   CLI::App* c = app->add_subcommand(
-      "simulate", "fly a camera through a model: colour, depth, masks, odometry, IMU, truth");
-  c->add_option("scenario", o->scenario, "YAML file: model, camera, path, objects, faults")
+      "simulate",
+      "fly a camera through a model and write colour, depth, masks, odometry, IMU, ground truth");
+  c->add_option("scenario", o->scenario,
+                "YAML file with model, camera, path, objects and faults (see docs/simulator.md)")
       ->required();
   c->add_option("out", o->out,
-                "sequence directory to write, or a file *.bag (ROS) or *.rawlog (MRPT)")
+                "recording to write: a sequence directory, a ROS bag *.bag or an MRPT rawlog "
+                "*.rawlog; nothing is overwritten")
       ->required();
-  c->add_option("--seed", o->seed, "seed of all noise");
-  c->add_option("--rate", o->rate, "images per second")->check(CLI::Range(0.1, 1000.0));
-  c->add_option("--images", o->images, "stop after so many");
-  c->add_flag("--no-objects", o->no_objects, "leave the movable objects out");
+  c->add_option("--seed", o->seed,
+                "seed of all noise and of a random path; default: the seed of the scenario");
+  c->add_option("--rate", o->rate, "images per second; default: the rate of the scenario")
+      ->check(CLI::Range(0.1, 1000.0));
+  c->add_option("--images", o->images,
+                "number of images after which the flight stops; 0 (default): the whole path");
+  c->add_flag("--no-objects", o->no_objects,
+              "fly without the movable objects; default: with the objects of the scenario");
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }
 

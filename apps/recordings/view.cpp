@@ -1,4 +1,4 @@
-// edge-mcl view: what the localizer sees, in a window, as a video or as pictures.
+// edge-mcl view: localizes a recording and shows it in a window, as a video or as pictures.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -29,7 +29,7 @@ ViewParameters parseShow(const ViewOptions& o) {
   for (const std::string& assignment : o.show) {
     const auto equals = assignment.find('=');
     if (equals == std::string::npos)
-      throw ParameterError("--show " + assignment + ": name=value expected");
+      throw ParameterError("--show " + assignment + ": must have the form name=value");
     params.set(assignment.substr(0, equals), assignment.substr(equals + 1));
   }
   params.validate();
@@ -39,7 +39,7 @@ ViewParameters parseShow(const ViewOptions& o) {
 int runHeadless(const ViewOptions& o, const ViewParameters& params, const LocalizationMap& map,
                 RecordedView* view) {
   if (o.recorder.video.empty() && o.recorder.pictures.empty())
-    throw ParameterError("--headless: say what to write, --video FILE or --pictures BEGIN");
+    throw ParameterError("--headless needs --video FILE or --pictures BEGIN");
   ViewRecorder recorder(&map, params, o.recorder);
   const size_t count = o.images > 0 ? std::min(o.images, view->imageCount()) : view->imageCount();
   ProgressBar bar("view", count);
@@ -63,7 +63,7 @@ int run(const ViewOptions& o) {
   const ViewParameters params = parseShow(o);
   OpenedRecording opened = openRecording(o, true);
   auto view = std::make_unique<RecordedView>(opened.map, std::move(opened.input), opened.start,
-                                             opened.up, static_cast<size_t>(params.max_particles));
+                                             static_cast<size_t>(params.max_particles));
   if (o.headless) return runHeadless(o, params, *opened.map, view.get());
   RecordedPlayer player(std::move(view), o.loop);
   WindowReport report;
@@ -81,7 +81,7 @@ int run(const ViewOptions& o) {
   } catch (const Error& e) {
     throw InputError(e.what());
   }
-  if (o.close_after > 0) std::printf("%.1f frames a second\n", report.rate());
+  if (o.close_after > 0) std::printf("%.1f frames drawn per second\n", report.rate());
   return kExitOk;
 }
 
@@ -90,30 +90,43 @@ int run(const ViewOptions& o) {
 void addView(CLI::App* app, Action* action) {
   auto o = std::make_shared<ViewOptions>();
   CLI::App* c = app->add_subcommand(
-      "view", "watch a recording being localized: model, particles, camera image, figures");
+      "view", "localize a recording and show model, particles, camera image and figures");
   o->addTo(c);
   c->add_option("--show", o->show,
-                "how it is shown, e.g. --show model_style=ghost (repeatable; see "
-                "docs/parameters.md)");
+                "sets one parameter of the picture, e.g. --show model_style=ghost; can be given "
+                "several times (see docs/parameters.md)");
   CLI::Option* headless =
-      c->add_flag("--headless", o->headless, "no window: write a video or pictures");
-  CLI::Option* video =
-      c->add_option("--video", o->recorder.video, "to write: .mp4 or .avi")->needs(headless);
-  c->add_option("--video-rate", o->recorder.video_rate, "pictures per second of the video")
+      c->add_flag("--headless", o->headless, "open no window, but write a video or pictures");
+  CLI::Option* video = c->add_option("--video", o->recorder.video,
+                                     "video file to write, .mp4 or .avi; default: no video")
+                           ->needs(headless);
+  c->add_option("--video-rate", o->recorder.video_rate,
+                "number of pictures per second of the video; default 10")
       ->needs(video);
   CLI::Option* pictures =
-      c->add_option("--pictures", o->recorder.pictures,
-                    "to write: BEGIN-1.png, ...; of the last moment, or as --at says")
+      c->add_option(
+           "--pictures", o->recorder.pictures,
+           "beginning of the names of pictures to write, BEGIN-1.png and so on; default: no "
+           "pictures")
           ->needs(headless);
-  c->add_option("--at", o->recorder.at, "when: seconds since the first image, e.g. --at 2,5,8")
+  c->add_option(
+       "--at", o->recorder.at,
+       "times of the pictures in seconds since the first image, e.g. --at 2,5,8; they must "
+       "increase; default: one picture of the last moment")
       ->delimiter(',')
       ->needs(pictures);
-  c->add_option("--images", o->images, "only so many images of the recording")->needs(headless);
-  c->add_flag("--loop", o->loop, "begin again at the end")->excludes(headless);
-  c->add_option("--close-after", o->close_after,
-                "close the window after so many seconds and say how fast it was drawn")
+  c->add_option("--images", o->images,
+                "number of images after which the command stops; 0 (default): all images")
+      ->needs(headless);
+  c->add_flag("--loop", o->loop,
+              "start again when the recording has ended; default: stop at its end")
       ->excludes(headless);
-  c->add_option("--window-picture", o->window_picture, "picture of the window when it closes")
+  c->add_option("--close-after", o->close_after,
+                "time after which the window closes, s; the command then prints the frames drawn "
+                "per second; 0 (default): the window stays open")
+      ->excludes(headless);
+  c->add_option("--window-picture", o->window_picture,
+                "file for a picture of the window when it closes; default: none")
       ->excludes(headless);
   c->callback([o, action] { *action = [o] { return run(*o); }; });
 }

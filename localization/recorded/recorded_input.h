@@ -1,4 +1,4 @@
-/// A recording as input of the localizer, moment by moment.
+/// Interface of recordings that feed the localizer, one moment at a time.
 #pragma once
 
 #include <optional>
@@ -9,17 +9,21 @@
 
 namespace edge_mcl {
 
+/// Reads a recording (directory, bag or rawlog) moment by moment, in the order of the recording.
 class RecordedInput {
  public:
   virtual ~RecordedInput() = default;
+  /// Number of images of the whole recording.
   virtual size_t imageCount() const = 0;
-  /// T_map_base as recorded; none where the recording does not say.
+  /// T_map_base at the first image; none if the recording holds no initial pose.
   virtual const std::optional<PoseGaussian>& initialPose() const = 0;
-  /// T_map_base; empty where it is not known.
+  /// Ground truth, T_map_base; empty if the recording holds none.
   virtual const Trajectory& truth() const = 0;
-  /// What of the recording as a whole is missing, in one line; empty: nothing.
+  /// One line that says which part of the recording is missing; empty if nothing is missing.
   virtual std::string damage() const { return {}; }
-  /// The next moment. One that cannot be read has no views and says why. @return false at the end.
+  /// Reads the next moment. Data that cannot be read are left out of `input`.
+  /// @param problem one line about the data that were left out; empty if there are none.
+  /// @return false at the end of the recording.
   virtual bool next(LiveInput* input, std::string* problem) = 0;
 };
 

@@ -8,6 +8,7 @@ LiveInput readInput(const Sequence& sequence, const SequenceFrame& frame,
                     const SequenceParts& parts, std::string* problem) {
   LiveInput input;
   input.time = frame.time;
+  input.time_text = frame.time_text;
   input.odometry = frame.odometry;
   LiveInput::View view;
   try {
@@ -19,9 +20,9 @@ LiveInput readInput(const Sequence& sequence, const SequenceFrame& frame,
     if (parts.images) input.views.push_back(view);
   } catch (const InputError& e) {
     *problem = e.what();
-    return input;  // without its mask depth is not to be trusted either
+    return input;  // without the mask the depth image cannot be trusted either
   }
-  // Without depth the image is as good as it was.
+  // The image stays usable when the depth image cannot be read.
   if (parts.depths && !frame.depth_file.empty()) try {
       LiveInput::Depth depth;
       depth.image = {sequence.camera, {}, sequence.depth_scale, frame.depth_file, std::nullopt};

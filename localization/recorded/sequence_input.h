@@ -1,5 +1,5 @@
-/// A sequence directory as input of the localizer. The base is the camera, T_map_base =
-/// T_map_camera.
+/// A sequence directory as input of the localizer. The base of the robot is the camera:
+/// T_map_base = T_map_camera.
 #pragma once
 
 #include "edge_mcl/core/recordings/sequence.h"
@@ -7,18 +7,23 @@
 
 namespace edge_mcl {
 
-/// What of a sequence is read.
+/// The kinds of files of a sequence that are read.
 struct SequenceParts {
   bool images = true, masks = true, depths = false;
 };
 
-/// One frame's files. What cannot be read is not in it, and said in `problem`.
+/// Reads the files of one frame. Files that cannot be read are left out; without the image or its
+/// mask all files of the frame are left out. @param problem set to one line about the files that
+/// were left out, else not changed.
 LiveInput readInput(const Sequence& sequence, const SequenceFrame& frame,
                     const SequenceParts& parts, std::string* problem);
 
-/// Around the sequence's initial pose. @param std_position, std_angle m and rad, per axis.
+/// A Gaussian around the sequence's initial pose, T_map_camera.
+/// @param std_position, std_angle standard deviations per axis, metres and radians.
+/// @throws InputError when the sequence has no initial pose.
 PoseGaussian initialGaussian(const Sequence& sequence, double std_position, double std_angle);
 
+/// Reads the frames of a sequence one after the other.
 class SequenceInput : public RecordedInput {
  public:
   SequenceInput(Sequence sequence, const SequenceParts& parts);

@@ -1,0 +1,133 @@
+#include "apps/recordings/localize_report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "edge_mcl/core/recordings/trajectory_evaluation.h"
+
+namespace edge_mcl {
+
+namespace {
+
+nlohmann::json jsonOf(const LiveResult& r, const std::string& time, double reading_ms) {
+  const UpdateReport& u = r.report;
+  const StageTimes& t = r.image_times;
+  const Matrix6 c = covarianceInMapAxes(r.estimate);
+  nlohmann::json j{{"time", time},
+                   {"state", nameOf(r.state)},
+                   {"problem", r.problem},
+                   {"updated", r.updated},
+                   {"ess", u.effective_sample_size},
+                   {"tempering", u.tempering},
+                   {"visible_lines", u.visible_lines},
+                   {"visible_samples", u.visible_samples},
+                   {"match_ratio", r.match_ratio},
+                   {"log_likelihood", u.log_likelihood},
+                   {"evidence_per_line", u.evidence_per_line},
+                   {"masked_share", r.masked_share},
+                   {"depth_points", u.depth_points},
+                   {"depth_agreement", u.depth_agreement},
+                   {"depth_bias", u.depth_bias},
+                   {"injected_share", u.injected_share},
+                   {"refined_modes", u.refined_modes},
+                   {"covariance", std::vector<double>(c.data(), c.data() + 36)}};
+  j["ms"] = {{"reading", reading_ms},
+             {"edges", t.edges},
+             {"field", t.field},
+             {"table", t.table},
+             {"likelihood", u.likelihood_ms},
+             {"refinement", u.refinement_ms},
+             {"filter", u.total_ms},
+             {"update", t.edges + t.field + t.table + u.total_ms}};
+  if (r.clusters.empty()) return j;
+  j["search"] = {{"keyframes", r.search_keyframes}, {"ms", r.search_ms}};
+  for (const PoseCluster& cluster : r.clusters)
+    j["search"]["clusters"].push_back(
+        {{"weight", cluster.weight}, {"pose", formatPose(time, cluster.pose)}});
+  return j;
+}
+
+/// @param truth in order of time
+size_t countWithTruth(const std::vector<double>& times, const Trajectory& truth) {
+  constexpr double kTolerance = 0.005;  // s, the one of evaluateTrajectory
+  return static_cast<size_t>(std::count_if(times.begin(), times.end(), [&](double time) {
+    const auto first =
+        std::lower_bound(truth.begin(), truth.end(), time - kTolerance,
+                         [](const StampedPose& pose, double t) { return pose.time < t; });
+    return first != truth.end() && first->time <= time + kTolerance;
+  }));
+}
+
+}  // namespace
+
+void LocalizeReport::add(const RecordedLocalizer& localizer, const std::string& time_text) {
+  const LiveInput& input = localizer.input();
+  const LiveResult& r = localizer.result();
+  if (input.odometry) ++with_odometry_;
+  // An image that is skipped because the robot rests has no problem.
+  if (!r.updated && !r.problem.empty()) ++unusable_;
+  if (r.late) return;
+  image_times_.push_back(input.time);
+  ++states_[nameOf(r.state)];
+  if (localizer.localizer().isInitialized())
+    estimate_.push_back({input.time, time_text, r.estimate.mean});
+  images_.push_back(jsonOf(r, time_text, localizer.readingMs()));
+  if (r.updated) update_ms_.push_back(images_.back()["ms"]["update"].get<double>());
+}
+
+nlohmann::json LocalizeReport::summary(const OpenedRecording& opened,
+                                       const RecordedInput& recording) const {
+  const Parameters& params = opened.map->params();
+  const ErrorSummary timing = summarize(update_ms_);
+  nlohmann::json summary{{"recording", opened.name},
+                         {"model", opened.model_file},
+                         {"backend", opened.map->backend().name()},
+                         {"likelihood", params.get("likelihood.model")},
+                         {"cues", params.get("likelihood.cues")},
+                         {"particles", params.filter.particles},
+                         {"seed", params.filter.seed},
+                         {"images", recording.imageCount()},
+                         {"unusable_images", unusable_},
+                         {"images_with_odometry", with_odometry_},
+                         {"states", states_},
+                         {"trajectory", opened.trajectory_pose},
+                         {"update_ms_median", timing.median},
+                         {"update_ms_p90", timing.p90}};
+  const TrajectoryErrors errors = evaluateTrajectory(estimate_, recording.truth());
+  if (errors.matched == 0) return summary;
+  // Ground truth often has a rate of its own, so the share is that of images with ground truth,
+  // whether they have a pose or not.
+  const size_t with_truth =
+      std::max(countWithTruth(image_times_, recording.truth()), errors.matched);
+  summary["images_with_truth"] = with_truth;
+  summary["position_error_median_m"] = errors.position_summary.median;
+  summary["rotation_error_median_deg"] = errors.rotation_summary.median;
+  summary["within_10cm_3deg"] = errors.success_share_of_matched *
+                                static_cast<double>(errors.matched) /
+                                static_cast<double>(with_truth);
+  return summary;
+}
+
+std::string textOfSummary(const nlohmann::json& s) {
+  char line[512];
+  std::snprintf(line, sizeof line,
+                "%s: %zu images, %zu not used, %d particles, %s, update median %.1f ms\n",
+                s["recording"].get<std::string>().c_str(), s["images"].get<size_t>(),
+                s["unusable_images"].get<size_t>(), s["particles"].get<int>(),
+                s["backend"].get<std::string>().c_str(), s["update_ms_median"].get<double>());
+  std::string text = line;
+  text += "states:";
+  for (const auto& [state, count] : s["states"].items())
+    text += " " + state + " " + std::to_string(count.get<size_t>());
+  text += "\n";
+  if (!s.contains("within_10cm_3deg")) return text;
+  std::snprintf(line, sizeof line,
+                "error: median %.2f cm, %.2f deg; within 10 cm and 3 deg: %.1f %% of %zu images "
+                "with truth\n",
+                100 * s["position_error_median_m"].get<double>(),
+                s["rotation_error_median_deg"].get<double>(),
+                100 * s["within_10cm_3deg"].get<double>(), s["images_with_truth"].get<size_t>());
+  return text + line;
+}
+
+}  // namespace edge_mcl
