@@ -11,7 +11,7 @@ namespace edge_mcl {
 
 namespace {
 
-/// Keeps a covariance invertible: no direction is known better than 0.1 mm or 0.003 degrees.
+/// Keeps a covariance invertible. Standard deviations stay above 0.1 mm and 0.003 degrees.
 Matrix6 withFloor(const Matrix6& covariance) {
   Matrix6 result = 0.5 * (covariance + covariance.transpose());
   result.diagonal().head<3>().array() += 1e-8;
@@ -54,7 +54,7 @@ PredictiveDensity::PredictiveDensity(const PoseGaussian& cloud, double tail_shar
       log_tail_share_(tail_share > 0 ? std::log(tail_share) : -1e300) {}
 
 double PredictiveDensity::log(const Pose& pose) const {
-  const Twist offset = core_.offset(pose);  // both have the same mean
+  const Twist offset = core_.offset(pose);  // core and tail have the same mean
   return logSum(log_core_share_ + core_.logOfOffset(offset),
                 log_tail_share_ + tail_.logOfOffset(offset));
 }
@@ -72,8 +72,9 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return scores[a].log_likelihood > scores[b].log_likelihood;
   });
-  // The best particles, but no two within half a standard deviation of the predicted cloud; the
-  // centre of the cloud always.
+  // Starts are the centre of the predicted cloud and the best particles. A particle is left out
+  // when it is closer to a better one than half a standard deviation of the cloud (root mean square
+  // over the six axes).
   const Matrix6 information = predictive.core().covariance.ldlt().solve(Matrix6::Identity());
   std::vector<Pose> chosen{predictive.core().mean};
   const size_t looked_at = std::max<size_t>(order.size() / 2, 1);
@@ -103,8 +104,10 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
   std::stable_sort(by_posterior.begin(), by_posterior.end(),
                    [&](size_t a, size_t b) { return posterior[a] > posterior[b]; });
 
-  constexpr double kNegligible = 10;  // nats below the best mode
-  constexpr double kWider = 3;        // heavier than the estimated covariance: safer weights
+  // A mode this many nats below the best result is left out.
+  constexpr double kNegligible = 10;
+  // Factor on the estimated covariance. A proposal with heavier tails gives safer weights.
+  constexpr double kWider = 3;
   for (size_t i : by_posterior) {
     const RefinementResult& r = refined[i];
     if (r.matched_samples + r.matched_points < 6 || !r.covariance.allFinite()) continue;

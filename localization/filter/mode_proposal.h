@@ -1,4 +1,4 @@
-/// The part of the proposal that draws particles to the modes of the likelihood.
+/// The part of the filter's proposal density that draws particles at the modes of the likelihood.
 #pragma once
 
 #include <vector>
@@ -8,33 +8,46 @@
 
 namespace edge_mcl {
 
-/// log of a Gaussian density on SE(3) at a pose, in the tangent space at its mean.
+/// A Gaussian density on SE(3), in the tangent space at its mean (`mean * exp(xi)`). All results
+/// are natural logarithms.
 class GaussianDensity {
  public:
+  /// Adds (0.1 mm)^2 and (0.003 degrees)^2 to the variances, so that the covariance can be
+  /// inverted.
   explicit GaussianDensity(const PoseGaussian& gaussian);
+  /// Log density at a pose.
   double log(const Pose& pose) const { return logOfOffset(offset(pose)); }
-  /// The pose in the tangent space at the mean, and the log density there.
+  /// The pose as a tangent vector at the mean: metres, radians.
   Twist offset(const Pose& pose) const { return logSe3(inverse_mean_ * pose); }
+  /// Log density at a tangent vector from offset().
   double logOfOffset(const Twist& offset) const;
+  /// Draws a random pose.
   Pose draw(RandomSource* random) const;
+  /// Mean and covariance, with the addition that the constructor makes.
   const PoseGaussian& gaussian() const { return gaussian_; }
 
  private:
   PoseGaussian gaussian_;
   Pose inverse_mean_;
-  Matrix6 factor_, inverse_factor_;  // lower Cholesky factor of the covariance
+  Matrix6 factor_, inverse_factor_;  // lower Cholesky factor of the covariance, and its inverse
   double log_norm_;
 };
 
-/// Predictive density with heavy tails: a Gaussian fitted to the predicted particles and, with a
-/// small share, one whose covariance is larger by `extra`.
+/// The predictive density with heavy tails: a mixture of two Gaussians with the same mean. The core
+/// is fitted to the predicted particles. The tail is wider and has a small share.
 class PredictiveDensity {
  public:
+  /// @param cloud Gaussian of the predicted particles, T_map_base: the core.
+  /// @param tail_share share of the tail in the mixture, in [0, 1).
+  /// @param extra covariance of the tail minus covariance of the core.
   PredictiveDensity(const PoseGaussian& cloud, double tail_share, const Matrix6& extra);
+  /// Log density of the mixture at a pose.
   double log(const Pose& pose) const;
+  /// Draws a random pose from the tail.
   Pose drawTail(RandomSource* random) const { return tail_.draw(random); }
   const PoseGaussian& core() const { return core_.gaussian(); }
-  /// The component that a pose more likely stems from: the prior for refining it.
+  /// The component (core or tail) that the pose more likely comes from. It is the prior when this
+  /// pose is refined.
   const PoseGaussian& componentOf(const Pose& pose) const;
 
  private:
@@ -42,11 +55,15 @@ class PredictiveDensity {
   double log_core_share_, log_tail_share_;
 };
 
-/// Gaussians around refined poses, all with the same share.
+/// A mixture of Gaussians around refined poses (modes). All modes have the same share.
 class ModeProposal {
  public:
-  /// Refines the best of the predicted particles, keeps distinct results of high posterior.
-  /// @param scores log-likelihoods of `predicted`. @param predictive Gaussian of `predicted`.
+  /// Refines the mean of the predictive density and the best predicted particles, and keeps the
+  /// distinct results of high posterior as modes. A result needs six or more matched samples and
+  /// depth points. There may be no mode at all.
+  /// @param predicted particles, T_map_base. @param scores of `predicted`, in the same order.
+  /// @param predictive density of `predicted`: prior of the refinement and of the posterior.
+  /// @param starts largest number of poses that are refined.
   ModeProposal(const LocalizationMap& map, const std::vector<CameraView>& views,
                const std::vector<Pose>& predicted, const std::vector<PoseScore>& scores,
                const PredictiveDensity& predictive, int starts);
@@ -54,7 +71,7 @@ class ModeProposal {
   bool empty() const { return modes_.empty(); }
   size_t size() const { return modes_.size(); }
   const GaussianDensity& mode(size_t i) const { return modes_[i]; }
-  /// log of the mixture density.
+  /// Log density of the mixture at a pose. There must be a mode.
   double log(const Pose& pose) const;
 
  private:

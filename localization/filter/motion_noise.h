@@ -1,16 +1,20 @@
-/// How much a motion is uncertain.
+/// Standard deviations of a motion, and a pose after an uncertain motion.
 #pragma once
 
 #include <cmath>
 
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/parameters.h"
 #include "edge_mcl/core/base/se3.h"
 
 namespace edge_mcl {
 
-/// Standard deviation per axis of an odometry increment over dt seconds: metres, radians.
+/// Standard deviations of an odometry increment, per axis: metres, radians. They have a part that
+/// grows with the root of the time and a part in proportion to the distance or the angle.
+/// @param increment motion of the base. @param dt duration of the motion, seconds.
 inline Twist odometryNoise(const FilterParameters& p, const Pose& increment, double dt) {
-  constexpr double kReferenceTime = 0.1, kDegree = M_PI / 180;
+  // The parameters hold for a step of kReferenceTime seconds.
+  constexpr double kReferenceTime = 0.1;
   const double root = std::sqrt(dt / kReferenceTime);
   Twist sigma;
   sigma.head<3>().setConstant(p.odometry_noise_position * root +
@@ -20,9 +24,10 @@ inline Twist odometryNoise(const FilterParameters& p, const Pose& increment, dou
   return sigma;
 }
 
-/// The same for the constant-velocity model.
+/// Standard deviations of a motion that the constant-velocity model predicts, per axis: metres,
+/// radians. They have a part that grows with the root of the time and a part from an unknown
+/// acceleration. @param dt duration of the motion, seconds.
 inline Twist walkNoise(const FilterParameters& p, double dt) {
-  constexpr double kDegree = M_PI / 180;
   const double root = std::sqrt(dt), half_square = dt * dt / 2;
   Twist sigma;
   sigma.head<3>().setConstant(p.walk_position_rate * root + p.walk_acceleration * half_square);
@@ -31,7 +36,10 @@ inline Twist walkNoise(const FilterParameters& p, double dt) {
   return sigma;
 }
 
-/// A pose after a motion of these standard deviations.
+/// A pose after an uncertain motion: the mean is composed with the step, and the covariance is
+/// turned into the new axes and grows by the noise.
+/// @param step motion in the axes of the pose. @param sigma standard deviations of the step, per
+/// axis after the step: metres, radians.
 inline PoseGaussian moved(const PoseGaussian& pose, const Pose& step, const Twist& sigma) {
   const Matrix6 to_new_axes = adjoint(step.inverse());
   PoseGaussian result;

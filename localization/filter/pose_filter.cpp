@@ -29,7 +29,7 @@ PoseFilter::PoseFilter(FilterParameters filter, RefinementParameters refinement)
 
 void PoseFilter::initialize(const PoseGaussian& gaussian) {
   if (!isValid(gaussian.mean) || !gaussian.covariance.allFinite())
-    throw InputError("filter: the initial pose is not a finite pose with a finite covariance");
+    throw InputError("filter: the initial pose or its covariance is not finite");
   const GaussianDensity density(gaussian);
   poses_.resize(params_.particles);
   for (Pose& pose : poses_) pose = density.draw(&random_);
@@ -39,7 +39,7 @@ void PoseFilter::initialize(const PoseGaussian& gaussian) {
   since_last_estimate_ = 0;
   velocity_.setZero();
   noise_variance_.setZero();
-  depth_biases_.clear();  // learnt at a pose that was perhaps wrong
+  depth_biases_.clear();  // they may have been learnt at a wrong pose
   edges_fit_ = depth_fit_ = RecoveryAverages();
 }
 
@@ -53,10 +53,11 @@ void PoseFilter::initialize(const Pose& mean, double std_position, double std_an
 
 void PoseFilter::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
   if (poses.empty() || poses.size() != log_weights.size())
-    throw Error("filter: no particles, or a different number of weights");
+    throw Error("filter: there are no particles, or the number of weights differs from theirs");
   for (size_t i = 0; i < poses.size(); ++i)
     if (!isValid(poses[i]) || std::isnan(log_weights[i]))
-      throw InputError("filter: particle " + std::to_string(i) + " is not a finite pose");
+      throw InputError("filter: particle " + std::to_string(i) +
+                       " has a pose that is not finite or a weight that is not a number");
   poses_ = std::move(poses);
   log_weights_ = std::move(log_weights);
   estimate_ = meanAndCovariance(poses_, normalizedWeights());
@@ -69,7 +70,8 @@ void PoseFilter::setParticles(std::vector<Pose> poses, std::vector<double> log_w
 std::vector<double> PoseFilter::normalizedWeights() const { return normalize(log_weights_); }
 
 void PoseFilter::resampleIfNeeded() {
-  // Particles drawn from the mixture proposal need equal weights before them.
+  // weigh() replaces particles by their number and keeps the weight of that number. This is right
+  // only when all weights are equal.
   const bool always = refinement_.enabled && params_.refined_share > 0;
   const std::vector<double> weights = normalizedWeights();
   const double ess = effectiveSampleSize(weights);
@@ -99,7 +101,8 @@ void PoseFilter::moveEstimate(const Pose& increment, const Twist& noise_before) 
 
 void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
   if (!isValid(increment) || !std::isfinite(dt) || dt < 0)
-    throw InputError("filter: the odometry increment is not a finite pose over a positive time");
+    throw InputError(
+        "filter: the odometry increment is not finite, or its time is negative or not finite");
   resampleIfNeeded();
   const Twist noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
@@ -109,7 +112,8 @@ void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
 }
 
 void PoseFilter::predictWithoutOdometry(double dt, std::optional<double> elapsed) {
-  if (!std::isfinite(dt) || dt < 0) throw InputError("filter: the time step is not positive");
+  if (!std::isfinite(dt) || dt < 0)
+    throw InputError("filter: the time step is negative or not finite");
   resampleIfNeeded();
   const Pose increment = expSe3(velocity_ * dt);
   const Twist noise_before = noise_variance_;
@@ -121,20 +125,22 @@ void PoseFilter::predictWithoutOdometry(double dt, std::optional<double> elapsed
 
 bool PoseFilter::correctTilt(const UpReading& reading) {
   if (!reading.up_base.allFinite() || reading.up_base.norm() < 0.5 || !(reading.sigma > 0))
-    throw InputError("filter: the reading of the vertical is not a direction");
+    throw InputError(
+        "filter: the reading of roll and pitch is not a finite direction with a positive sigma");
   if (!edge_mcl::correctTilt(reading, normalizedWeights(), &random_, &poses_)) return false;
   estimate_ = edge_mcl::correctTilt(reading, estimate_);
   return true;
 }
 
 void PoseFilter::trackVelocity() {
-  // Over less, the estimates' noise would be all of it.
+  // Over a shorter time the velocity would be nothing but the noise of the estimates.
   constexpr double kShortest = 0.005;  // s
   if (last_estimate_ && since_last_estimate_ < kShortest) return;
   if (last_estimate_) {
-    // While the filter converges its estimates jump; what they say of the velocity is then worth
-    // little against what was known before.
-    constexpr double kUsualSpeed = 1, kUsualTurn = 1;  // m/s, rad/s; standard deviations
+    // While the filter converges, its estimates jump. Their covariance is large then, and the
+    // newest velocity gets little weight against the velocity known before.
+    // Assumed standard deviations of a velocity: m/s, rad/s.
+    constexpr double kUsualSpeed = 1, kUsualTurn = 1;
     const Twist newest =
         logSe3(last_estimate_->mean.inverse() * estimate_.mean) / since_last_estimate_;
     for (int i = 0; i < 6; ++i) {
@@ -151,8 +157,8 @@ void PoseFilter::trackVelocity() {
 
 namespace {
 
-/// Every so many-th index: neighbours stem from one ancestor, so this takes the same share from
-/// each.
+/// Whether the index belongs to an evenly spaced share of all indices. After resampling, neighbours
+/// are copies of one particle. Even spacing takes the same share of the copies of every particle.
 bool isInEvenShare(size_t i, double share) {
   return std::floor(share * static_cast<double>(i + 1)) >
          std::floor(share * static_cast<double>(i));
@@ -168,14 +174,14 @@ std::vector<size_t> evenShare(size_t n, double share) {
 }  // namespace
 
 double PoseFilter::shareToInject() const {
-  // Motion as expected keeps its say, however bad the images.
+  // At least half of the particles stay where motion predicts them, however badly the images fit.
   constexpr double kMost = 0.5;
   return std::min(std::max(edges_fit_.shareToInject(), depth_fit_.shareToInject()), kMost);
 }
 
 void PoseFilter::drawTails(const PredictiveDensity& predictive, double share) {
-  // The same share of those that are redrawn later as of those that are not, or the latter would
-  // hold more tails than their density says.
+  // weigh() later replaces the particles in `redrawn`. Both lists get the same share of tails.
+  // Otherwise the particles that stay would hold more tails than the predictive density says.
   std::vector<size_t> kept, redrawn;
   for (size_t i = 0; i < poses_.size(); ++i)
     (refinement_.enabled && isInEvenShare(i, params_.refined_share) ? redrawn : kept).push_back(i);
@@ -192,7 +198,7 @@ void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>
   std::vector<PoseScore> scores = map.evaluate(thinned, poses_);
   report->likelihood_ms += millisecondsSince(start);
 
-  std::vector<double> log_ratio(n, 0);  // log p/q
+  std::vector<double> log_ratio(n, 0);  // log(p / q)
   const double share = params_.refined_share;
   if (refinement_.enabled && share > 0) {
     start = Clock::now();
@@ -212,7 +218,8 @@ void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>
         scores[redrawn[k]] = fresh_scores[k];
       }
       tbb::parallel_for(size_t{0}, n, [&](size_t i) {
-        // q = (1 - share) p + share m, hence p/q = 1 / (1 - share + share m/p).
+        // q = (1 - share) p + share m, where m is the density of the modes. Hence
+        // p / q = 1 / (1 - share + share m / p).
         const double m_over_p = modes.log(poses_[i]) - predictive.log(poses_[i]);
         log_ratio[i] = m_over_p > 300 ? -m_over_p - std::log(share)
                                       : -std::log(1 - share + share * std::exp(m_over_p));
@@ -259,8 +266,8 @@ bool PoseFilter::spreadBeyondNormals(const LocalizationMap& map,
 }
 
 void PoseFilter::spreadCopies(const PoseGaussian& cloud) {
-  // Kernel with shrinkage, which keeps mean and covariance: J. Liu, M. West, "Combined parameter
-  // and state estimation in simulation-based filtering", 2001.
+  // A kernel with shrinkage keeps mean and covariance (J. Liu, M. West, "Combined parameter and
+  // state estimation in simulation-based filtering", 2001).
   constexpr double kBandwidth = 0.3;
   const double shrink = std::sqrt(1 - kBandwidth * kBandwidth);
   const GaussianDensity kernel({Pose::Identity(), kBandwidth * kBandwidth * cloud.covariance});
@@ -287,7 +294,8 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
   report->matched_samples = sharp.matched_samples;
   report->used_samples = sharp.used_samples;
   if (!is_better) return compared[0];
-  // The cloud's spread, seen from the refined pose: tempering makes it a cautious figure.
+  // The covariance is the spread of the particles about the refined pose. Tempering widens the
+  // cloud, so this covariance is cautious.
   const Twist shift = logSe3(sharp.pose.inverse() * cloud.mean);
   estimate_.mean = sharp.pose;
   estimate_.covariance = cloud.covariance + shift * shift.transpose();
@@ -308,11 +316,11 @@ std::vector<CameraView> PoseFilter::withoutBias(const LocalizationMap& map,
 
 void PoseFilter::learnBias(const LocalizationMap& map, const std::vector<CameraView>& views,
                            UpdateReport* report) {
-  constexpr double kTrusted = 0.5;  // share of the points on the model
-  // Images of one scene err alike: the bias is never taken as known better than so, times its
-  // prior spread.
+  constexpr double kTrusted = 0.5;  // least share of the points on the model for learning
+  // Images of one scene have correlated errors. So the standard deviation of the bias stays above
+  // this share of its prior standard deviation.
   constexpr double kLeastShare = 0.15;
-  constexpr double kFarthest = 3;  // prior standard deviations
+  constexpr double kFarthest = 3;  // largest bias, in prior standard deviations
   const double sigma = map.params().depth.bias_sigma;
   for (const CameraView& view : views) {
     if (!view.depth || !map.usesDepth()) continue;
@@ -335,7 +343,7 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
   const auto begin = Clock::now();
   UpdateReport report;
   const std::vector<CameraView> views = withoutBias(map, raw_views);
-  // The particles are weighed by a share of the samples, single poses by all.
+  // Particles are weighed by a share of the samples, to save time. Single poses are scored by all.
   std::vector<CameraView> thinned = views;
   for (CameraView& view : thinned)
     view.thinning = map.thinningFor(view, estimate_.mean,
@@ -347,7 +355,8 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
     injected << Eigen::Vector3d::Constant(square(params_.recovery_std_position)),
         Eigen::Vector3d::Constant(square(params_.recovery_std_angle_deg * M_PI / 180));
   for (int pass = 0; pass < params_.max_passes; ++pass) {
-    // What motion can surprise with: its noise, `tail_scale` times wider.
+    // Tails cover unexpected motion. In them the standard deviation of the motion noise is
+    // `tail_scale` times larger.
     const bool usual_tails = refinement_.enabled && !noise_variance_.isZero();
     const double tails = std::max(usual_tails ? params_.tail_share : 0, report.injected_share);
     const Matrix6 extra =

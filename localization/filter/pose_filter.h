@@ -1,5 +1,5 @@
-/// The SE(3) particle filter, on plain poses. CEdgeMonteCarloLocalization3D puts it behind MRPT's
-/// interface.
+/// The SE(3) particle filter. It knows plain poses only; CEdgeMonteCarloLocalization3D puts it
+/// behind MRPT's interface.
 #pragma once
 
 #include <map>
@@ -16,79 +16,100 @@
 
 namespace edge_mcl {
 
-/// What one update did.
+/// Result of one update: figures of the particles and of the estimate.
 struct UpdateReport {
   double effective_sample_size = 0;  ///< after the update, before resampling
-  double tempering = 0;              ///< exponent that was put on the likelihood, all passes
-  double visible_samples = 0;        ///< inside the image, at the estimate
-  double visible_lines = 0;
-  double log_likelihood = 0;  ///< of the estimate
-  /// How much a line speaks for the estimate, mean: robust model: nats; paper: g of eq. (1).
+  double tempering = 0;              ///< exponent on the likelihood, summed over the passes
+  double visible_samples = 0;        ///< at the estimate, see PoseScore::sample_weight
+  double visible_lines = 0;          ///< at the estimate, see PoseScore::line_count
+  double log_likelihood = 0;         ///< nats, of the estimate
+  /// Mean score of a visible line at the estimate. Robust model: nats. Paper's model: g of eq. (1).
   double evidence_per_line = 0;
-  int matched_samples = 0;  ///< with an image edge within reach, at the estimate
-  int used_samples = 0;
-  int depth_points = 0;          ///< of depth images, used
-  double depth_bias = 0;         ///< 1/m, see DepthBias: what the filter has learnt of it
-  double depth_agreement = 0;    ///< share of them on the model, at the estimate
-  int refined_modes = 0;         ///< poses that particles were drawn around
-  double injected_share = 0;     ///< of the particles, see RecoveryAverages
-  int passes = 0;                ///< how often the image was used, with exponents below one
-  bool has_information = false;  ///< false: nothing of the model in the images; only predicted
+  int matched_samples = 0;     ///< samples with an image edge within reach, at the estimate
+  int used_samples = 0;        ///< samples that an image edge was searched for, at the estimate
+  int depth_points = 0;        ///< points of all depth images that were used
+  double depth_bias = 0;       ///< 1/m, the sensor's bias that the filter has learnt, see DepthBias
+  double depth_agreement = 0;  ///< share of the depth points on the model, at the estimate
+  int refined_modes = 0;       ///< refined poses that particles were drawn around
+  double injected_share = 0;   ///< share of injected particles, see RecoveryAverages
+  int passes = 0;              ///< passes over the images; with more than one, exponents are < 1
+  bool has_information = false;  ///< false: no particle sees the model; the pose is a prediction
+  /// Durations, milliseconds.
   double likelihood_ms = 0, refinement_ms = 0, total_ms = 0;
 };
 
-/// Sequential Monte-Carlo over T_map_base.
+/// Particle filter (sequential Monte-Carlo) over T_map_base.
 ///
-/// The proposal is a mixture: a share of the particles moves by odometry (or constant velocity)
-/// with noise; the others are drawn around poses refined on the present image. All get the weight
-/// likelihood * p / q, p the predictive density (a Gaussian fitted to the predicted particles, with
-/// a wider one for the unforeseen), q
-/// the mixture (balance heuristic: E. Veach, L. Guibas, SIGGRAPH 1995).
+/// The proposal density q is a mixture. One share of the particles moves by odometry or constant
+/// velocity, with noise. The other share is drawn around poses that are refined on the present
+/// image. Every particle gets the weight likelihood * p / q (balance heuristic: E. Veach, L.
+/// Guibas, SIGGRAPH 1995). Here p is the predictive density: a Gaussian fitted to the predicted
+/// particles, mixed with a wider Gaussian for unexpected motion.
 class PoseFilter {
  public:
   PoseFilter(FilterParameters filter, RefinementParameters refinement);
 
-  /// Draws all particles from a Gaussian. @throws Error when it is not finite.
+  /// Draws all particles from a Gaussian over T_map_base. @throws InputError when it is not finite.
   void initialize(const PoseGaussian& gaussian);
-  /// Independent noise per axis: metres, radians.
+  /// Draws all particles around a mean, with independent noise per axis: standard deviations in
+  /// metres and radians. @throws InputError when mean or noise is not finite.
   void initialize(const Pose& mean, double std_position, double std_angle);
-  /// Takes particles over from outside. @param log_weights any common offset.
+  /// Replaces all particles. @param poses T_map_base. @param log_weights with any common offset.
+  /// @throws Error when there are no particles or the two sizes differ. @throws InputError when a
+  /// pose is not finite or a weight is not a number.
   void setParticles(std::vector<Pose> poses, std::vector<double> log_weights);
 
-  /// @param increment motion of the base since the last step, in its own frame. @param dt seconds.
-  /// @throws Error on an increment that is not finite.
+  /// Resamples if needed and moves all particles by odometry, with noise.
+  /// @param increment motion of the base since the last step, in its own frame at that step.
+  /// @param dt duration of the motion, seconds. @throws InputError when one of them is not finite
+  /// or dt is negative.
   void predictWithOdometry(const Pose& increment, double dt);
-  /// Constant velocity with noise. @param elapsed where more time has passed than is predicted over
+  /// Resamples if needed and moves all particles with constant velocity and noise.
+  /// @param dt duration that is predicted, seconds. @param elapsed the time that has really passed,
+  /// seconds, if it is longer. Only the velocity of the next update uses it.
+  /// @throws InputError when dt is negative or not finite.
   void predictWithoutOdometry(double dt, std::optional<double> elapsed = std::nullopt);
 
-  /// Uses a reading of roll and pitch. @return false when it contradicts the particles, and is left
-  /// out. @throws InputError when it is not finite.
+  /// Corrects particles and estimate by a reading of roll and pitch. @return false when the reading
+  /// contradicts the particles. It is then left out. @throws InputError when the vector is not
+  /// finite or shorter than 0.5, or sigma is not positive.
   bool correctTilt(const UpReading& reading);
 
-  /// Weighs the particles by the images.
+  /// Weighs the particles by the images and depth images of one moment. Refines the estimate on
+  /// them.
   UpdateReport update(const LocalizationMap& map, const std::vector<CameraView>& views);
 
-  /// Resamples now, if the next prediction would.
+  /// Resamples now if the next prediction would resample.
   void resample() { resampleIfNeeded(); }
 
+  /// The particles, T_map_base.
   const std::vector<Pose>& poses() const { return poses_; }
   const std::vector<double>& logWeights() const { return log_weights_; }
-  /// Best pose and its covariance (tangent space at the pose, base frame).
+  /// Best pose T_map_base and its covariance (tangent space at the pose, base frame).
   const PoseGaussian& estimate() const { return estimate_; }
 
  private:
   void resampleIfNeeded();
   void addNoise(const Twist& scale);
+  /// @param noise_before noise_variance_ before the noise of this step was added.
   void moveEstimate(const Pose& increment, const Twist& noise_before);
   void trackVelocity();
+  /// One pass: draws particles around refined poses, then multiplies the weights by the tempered
+  /// likelihood. @param thinned the views with thinned samples, for the particles.
+  /// @param remaining_exponent 1 minus the exponents of the passes before.
   void weigh(const LocalizationMap& map, const std::vector<CameraView>& views,
              const std::vector<CameraView>& thinned, const PredictiveDensity& predictive,
              double remaining_exponent, UpdateReport* report);
+  /// Whether the particles are spread wider than the refinement searches: half of its first search
+  /// length in the image, or a third of the depth truncation.
   bool spreadBeyondNormals(const LocalizationMap& map, const std::vector<CameraView>& views,
                            const PoseGaussian& cloud) const;
   double shareToInject() const;
   void drawTails(const PredictiveDensity& predictive, double share);
+  /// Moves equal particles apart, without a change of the cloud's mean and covariance.
   void spreadCopies(const PoseGaussian& cloud);
+  /// Refines the mean of the cloud and takes the result as estimate if its posterior is not lower.
+  /// @return score of the estimate.
   PoseScore sharpenEstimate(const LocalizationMap& map, const std::vector<CameraView>& views,
                             const PoseGaussian& cloud, const PredictiveDensity& predictive,
                             UpdateReport* report);
@@ -103,12 +124,12 @@ class PoseFilter {
   std::vector<Pose> poses_;
   std::vector<double> log_weights_;
   PoseGaussian estimate_;
-  std::map<uint32_t, DepthBias> depth_biases_;  // by CameraView::depth_sensor
+  std::map<uint32_t, DepthBias> depth_biases_;  // key: CameraView::depth_sensor
   RecoveryAverages edges_fit_, depth_fit_;
   std::optional<PoseGaussian> last_estimate_;
   double since_last_estimate_ = 0;        // seconds
-  Twist noise_variance_ = Twist::Zero();  // added by prediction since the last update
-  Twist velocity_ = Twist::Zero();        // base frame, per second
+  Twist noise_variance_ = Twist::Zero();  // sum of the prediction's noise since the last update
+  Twist velocity_ = Twist::Zero();        // base frame, m/s and rad/s
 };
 
 }  // namespace edge_mcl

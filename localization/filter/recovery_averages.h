@@ -1,5 +1,6 @@
-/// When the likelihood falls below what it was for long: augmented Monte-Carlo localization (S.
-/// Thrun, W. Burgard, D. Fox, "Probabilistic Robotics", 2005, table 8.3; amcl's recovery_alpha_*).
+/// Detects that the likelihood has fallen below its long-term average, as in augmented Monte-Carlo
+/// localization (S. Thrun, W. Burgard, D. Fox, "Probabilistic Robotics", 2005, table 8.3; amcl's
+/// recovery_alpha_*).
 #pragma once
 
 #include <algorithm>
@@ -9,10 +10,11 @@
 
 namespace edge_mcl {
 
-/// A slow and a fast average of a figure that is larger the better the images fit.
+/// A slow and a fast average of a figure that is larger the better the images fit the pose.
 class RecoveryAverages {
  public:
-  /// @param fit e.g. log-likelihood per line; below zero counts as zero.
+  /// Adds one image. @param fit for example the log-likelihood per line. A value below zero counts
+  /// as zero.
   void add(double fit, const FilterParameters& params) {
     fit = std::max(fit, 0.0);
     if (!slow_) slow_ = fast_ = fit;
@@ -20,8 +22,8 @@ class RecoveryAverages {
     *fast_ += params.recovery_alpha_fast * (fit - *fast_);
   }
 
-  /// Probability that the robot is not where its motion should have brought it, 0 to 1:
-  /// 1 - fast / slow.
+  /// Share of the particles that should be injected, 0 to 1: 1 - fast / slow. It is 0 before the
+  /// first image and when the slow average is 0.
   double shareToInject() const {
     if (!slow_ || *slow_ <= 0) return 0;
     return std::clamp(1 - *fast_ / *slow_, 0.0, 1.0);

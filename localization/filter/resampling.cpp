@@ -35,7 +35,7 @@ double temperingExponent(const std::vector<double>& fixed,
   const double wanted = std::min(floor_share * static_cast<double>(fixed.size()), essAt(0));
   if (essAt(1) >= wanted) return 1;
   double low = 0, high = 1;
-  for (int i = 0; i < 14; ++i) {  // to 1e-4
+  for (int i = 0; i < 14; ++i) {  // bisection to 1e-4
     const double middle = (low + high) / 2;
     (essAt(middle) >= wanted ? low : high) = middle;
   }

@@ -11,7 +11,8 @@ Eigen::Vector3d tiltError(const Pose& T_map_base, const Eigen::Vector3d& up_base
   const Eigen::Vector3d axis = up_base.cross(predicted);
   const double sine = axis.norm(), angle = std::atan2(sine, up_base.dot(predicted));
   if (sine > 1e-12) return angle / sine * axis;
-  // Aligned, or upside down about any axis across.
+  // The pose agrees with the reading, or it is upside down. If it is upside down, every horizontal
+  // axis is right.
   return angle < 1 ? Eigen::Vector3d(Eigen::Vector3d::Zero())
                    : Eigen::Vector3d(angle * up_base.unitOrthogonal());
 }
@@ -27,11 +28,11 @@ bool correctTilt(const UpReading& reading, const std::vector<double>& weights, R
     errors.push_back(tiltError((*poses)[i], up));
     mean += weights[i] / total * errors.back();
   }
-  double spread = 0;  // variance per axis; a tilt has two
+  double spread = 0;  // variance per axis; a tilt has two axes
   for (size_t i = 0; i < poses->size(); ++i)
     spread += weights[i] / total * (errors[i] - mean).squaredNorm() / 2;
   const double noise = reading.sigma * reading.sigma;
-  constexpr double kFarthest = 5;  // standard deviations
+  constexpr double kFarthest = 5;  // largest mean error, in standard deviations
   if (mean.squaredNorm() > kFarthest * kFarthest * (spread + noise)) return false;
   const double gain = spread / (spread + noise);
   for (size_t i = 0; i < poses->size(); ++i) {
@@ -46,7 +47,7 @@ bool correctTilt(const UpReading& reading, const std::vector<double>& weights, R
 
 PoseGaussian correctTilt(const UpReading& reading, const PoseGaussian& pose) {
   const Eigen::Vector3d up = reading.up_base.normalized();
-  // Across the vertical: what is read.
+  // The reading measures rotations about two axes perpendicular to the vertical.
   Eigen::Matrix<double, 6, 2> read = Eigen::Matrix<double, 6, 2>::Zero();
   read.col(0).tail<3>() = up.unitOrthogonal();
   read.col(1).tail<3>() = up.cross(up.unitOrthogonal());

@@ -1,4 +1,4 @@
-/// Roll and pitch from an IMU.
+/// Corrects roll and pitch by a reading of the up direction, for example from an IMU.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,25 +9,28 @@
 
 namespace edge_mcl {
 
-/// Which way is up. The map's z axis is.
+/// A reading of the direction that points up. In the map, up is the z axis.
 struct UpReading {
-  Eigen::Vector3d up_base = Eigen::Vector3d::UnitZ();  ///< unit vector in the base's axes
-  double sigma = 0.02;                                 ///< rad, per axis
+  Eigen::Vector3d up_base = Eigen::Vector3d::UnitZ();  ///< up, unit vector in the axes of the base
+  double sigma = 0.02;                                 ///< standard deviation per axis, rad
 };
 
-/// Rotation vector, base axes: turned by it (from the right), the pose has its up where it was
-/// read.
+/// The rotation that brings the up direction of a pose to the reading: R_map_base * exp(result).
+/// @param up_base the reading, in the axes of the base.
+/// @return rotation vector in the axes of the base, rad, perpendicular to `up_base`.
 Eigen::Vector3d tiltError(const Pose& T_map_base, const Eigen::Vector3d& up_base);
 
-/// Moves the particles' tilts towards the reading: an ensemble Kalman step with perturbed readings
-/// (G. Burgers, P. van Leeuwen, G. Evensen, Monthly Weather Review 126, 1998), which weights would
-/// do by leaving few particles alive. Yaw and position stay.
-/// @return false when the reading is farther from the particles than both spreads explain; nothing
-/// is changed then.
+/// Moves the tilts of the particles towards the reading: an ensemble Kalman step with perturbed
+/// readings (G. Burgers, P. van Leeuwen, G. Evensen, Monthly Weather Review 126, 1998). Weights
+/// instead of this step would leave few particles alive. Heading and position do not change.
+/// @param weights of the particles, with any positive sum. @param poses T_map_base.
+/// @return false when the mean tilt error is larger than five standard deviations of particles and
+/// reading together. Then nothing changes.
 bool correctTilt(const UpReading& reading, const std::vector<double>& weights, RandomSource* random,
                  std::vector<Pose>* poses);
 
-/// The same for a Gaussian: a Kalman update.
+/// Corrects the roll and pitch of a Gaussian (T_map_base) by a Kalman update. Other coordinates
+/// change as far as they are correlated with roll and pitch.
 PoseGaussian correctTilt(const UpReading& reading, const PoseGaussian& pose);
 
 }  // namespace edge_mcl

@@ -7,15 +7,18 @@
 #include <cmath>
 
 #include "edge_mcl/localization/search/global_localizer.h"
+#include "edge_mcl/localization/search/pose_tolerances.h"
 
 namespace edge_mcl {
 
 namespace {
 
-/// Some three seconds of flight by odometry, after which one image that fits is not enough after a
-/// darkness, either.
+/// Whether odometry is too uncertain after a motion for the pose to be trusted. The limits
+/// correspond to about three seconds of flight. After three seconds of darkness, too, one image
+/// that fits is no proof of the pose.
 bool isFarByOdometry(const Twist& variance, double blind) {
-  constexpr double kPosition = 0.05, kAngle = 1.5 * M_PI / 180, kBlind = 0.3;  // m, rad, s
+  // Standard deviations in m and rad, and a time without odometry in s.
+  constexpr double kPosition = 0.05, kAngle = 1.5 * kDegree, kBlind = 0.3;
   const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
   return sigma.head<3>().maxCoeff() > kPosition || sigma.tail<3>().maxCoeff() > kAngle ||
          blind > kBlind;
@@ -61,7 +64,8 @@ void BackgroundSearch::move(const BaseMotion& motion) {
 void BackgroundSearch::offer(const std::vector<CameraView>& views,
                              const std::optional<UpReading>& up) {
   if (has_view_ && !since_view_.isNewView(map_.params().search)) return;
-  // Older ones are given up; what remains is still less far apart than if all but one were.
+  // When the queue is full, the oldest keyframe is dropped. Those that remain are closer together
+  // than if only the newest keyframe waited.
   constexpr size_t kMostWaiting = 3;
   if (waiting_.size() >= kMostWaiting) {
     BaseMotion both = waiting_[0].before;
@@ -102,7 +106,7 @@ SearchReport BackgroundSearch::carriedToNow(const Report& then) const {
 }
 
 void BackgroundSearch::run() {
-  std::optional<GlobalLocalizer> search;  // made here, as that takes a while
+  std::optional<GlobalLocalizer> search;  // made in this thread, because that takes a while
   tbb::task_arena arena(std::max(1, tbb::info::default_concurrency() / 2));
   bool over_gap = false;
   std::unique_lock<std::mutex> lock(mutex_);
@@ -131,7 +135,7 @@ void BackgroundSearch::run() {
       failure = std::current_exception();
     }
     lock.lock();
-    if (begin_) continue;  // nobody asks for this any more
+    if (begin_) continue;  // begin() was called meanwhile, so this result is outdated
     failure_ = failure;
     if (failure || !report.keyframe) continue;
     reported_ = {std::move(report), view.since_begin, over_gap};

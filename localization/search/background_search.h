@@ -1,4 +1,4 @@
-/// A search of the pose in a thread of its own, so that images are used while it thinks.
+/// Runs the global search in a thread of its own, so that images are still used during the search.
 #pragma once
 
 #include <condition_variable>
@@ -12,23 +12,27 @@
 
 namespace edge_mcl {
 
-/// GlobalLocalizer takes seconds for a new view, in which a robot flies metres: views that are far
-/// apart share little, and odometry drifts between them. Here views wait in a queue while an older
-/// one is worked at; those that are not the newest are only followed, not searched anew. What is
-/// found is carried to the present by odometry; a pose that odometry has carried far, now or
-/// between two views, is reported as stale. Takes half of the cores at most. What it finds depends
-/// on how fast the machine is.
+/// A PoseFinder that runs a GlobalLocalizer in a thread of its own.
+///
+/// GlobalLocalizer takes seconds for a keyframe. A robot flies metres in this time. Keyframes far
+/// apart show few common lines, and odometry drifts between them. So keyframes wait in a queue
+/// while the search works. Hypotheses are only followed through keyframes that are not the newest;
+/// new hypotheses are searched for in the newest one. Odometry carries the result to the present. A
+/// pose is reported as stale when odometry has carried it too far, since the result or between two
+/// keyframes. The search uses at most half of the cores. Its result depends on the speed of the
+/// machine.
 class BackgroundSearch : public PoseFinder {
  public:
-  /// The map must outlive this object.
+  /// Starts the thread. @param map must outlive this object. @param seed of the random generator.
   BackgroundSearch(const LocalizationMap& map, uint64_t seed);
-  /// Waits for the view that is worked at.
+  /// Ends the thread after the keyframe that it is working on.
   ~BackgroundSearch() override;
 
   void begin() override;
   void begin(const PoseGaussian& guess, bool only_there) override;
   void move(const BaseMotion& motion) override;
-  /// Returns at once. @throws what the search has thrown meanwhile
+  /// Queues the images if they make a keyframe, and returns the newest result at once.
+  /// @throws the exception of the search thread, if there was one since the last call.
   SearchReport process(const std::vector<CameraView>& views,
                        const std::optional<UpReading>& up) override;
 
@@ -37,39 +41,42 @@ class BackgroundSearch : public PoseFinder {
     std::optional<PoseGaussian> guess;
     bool only_there = false;
   };
+  /// A keyframe that waits for the search.
   struct View {
-    BaseMotion before;  // since the view before
+    BaseMotion before;  // motion since the keyframe queued before
     std::vector<CameraView> views;
     std::optional<UpReading> up;
-    BaseMotion since_begin;
+    BaseMotion since_begin;  // motion since begin()
   };
   struct Report {
     SearchReport report;
-    BaseMotion since_begin;  // of its view
-    // Between two of its views odometry may have drifted farther than following them sets right.
+    BaseMotion since_begin;  // motion from begin() to the keyframe of the report
+    // True: between two keyframes odometry may have drifted farther than following corrects.
     bool over_gap = false;
   };
 
   void beginWith(Begin begin);
+  /// Puts the images into the queue if they make a keyframe.
   void offer(const std::vector<CameraView>& views, const std::optional<UpReading>& up);
+  /// The report with its poses carried to the present by odometry.
   SearchReport carriedToNow(const Report& then) const;
   void run();
 
   const LocalizationMap& map_;
   const uint64_t seed_;
   // Used by the caller's thread only.
-  BaseMotion since_begin_, since_view_;  // the newest view that was offered
-  bool has_view_ = false;                // since it began
-  // Shared.
+  BaseMotion since_begin_, since_view_;  // motion since begin(), since the newest queued keyframe
+  bool has_view_ = false;                // a keyframe was queued since begin()
+  // Shared by both threads, under mutex_.
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::optional<Begin> begin_;  // asked for, not yet done
+  std::optional<Begin> begin_;  // requested, not yet done by the thread
   std::deque<View> waiting_;
-  std::optional<Report> reported_;  // newest
-  bool is_news_ = false;            // nobody has been told yet
+  std::optional<Report> reported_;  // newest result
+  bool is_news_ = false;            // process() has not returned it yet
   std::exception_ptr failure_;
   bool stop_ = false;
-  std::thread thread_;  // last, uses all of the above
+  std::thread thread_;  // the last member, because it uses all members above
 };
 
 }  // namespace edge_mcl

@@ -14,13 +14,12 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-// Hypotheses closer than this are the same place.
-constexpr double kSamePlace = 0.5, kSameHeading = 15 * kDegree;
-// Roll and pitch that are less certain say no more than a search can find.
+/// Roll and pitch with a larger standard deviation are not used, because a search without them
+/// finds them just as well.
 constexpr double kUselessTilt = 10 * kDegree;
 
-/// Roll and pitch as they were when it was lost: what carries a camera about seldom tilts it much.
+/// Roll and pitch of a lost pose. A robot that is carried or flies seldom tilts much, so they are
+/// assumed to hold. @return none when their standard deviation is too large
 std::optional<UpReading> tiltOf(const PoseGaussian& lost) {
   constexpr double kAtLeast = 5 * kDegree;
   UpReading up;
@@ -30,6 +29,11 @@ std::optional<UpReading> tiltOf(const PoseGaussian& lost) {
   up.sigma = std::max(kAtLeast, std::sqrt(std::max(0.0, rotation.trace() - about_up) / 2));
   if (!(up.sigma <= kUselessTilt)) return std::nullopt;
   return up;
+}
+
+void addVariance(const PoseTolerance& sigma, PoseGaussian* pose) {
+  pose->covariance.diagonal().head<3>().array() += sigma.position * sigma.position;
+  pose->covariance.diagonal().tail<3>().array() += sigma.angle * sigma.angle;
 }
 
 }  // namespace
@@ -70,18 +74,15 @@ void GlobalLocalizer::move(const BaseMotion& motion) {
 
 PoseGaussian GlobalLocalizer::predicted(const FoundPose& before, const Pose& motion,
                                         const Twist& variance) {
-  // A refined pose is itself at least this uncertain.
-  constexpr double kPosition = 0.02, kAngle = 0.5 * kDegree;
   PoseGaussian result = moved({before.pose, before.covariance}, motion, variance.cwiseSqrt());
-  result.covariance.diagonal().head<3>().array() += kPosition * kPosition;
-  result.covariance.diagonal().tail<3>().array() += kAngle * kAngle;
+  addVariance(kFollowFloor, &result);
   return result;
 }
 
 SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
                                       const std::optional<UpReading>& up, bool look) {
   const auto begin = std::chrono::steady_clock::now();
-  // An assumption that leads nowhere is given up.
+  // When the assumed roll and pitch have not led to a pose for so long, they are dropped.
   constexpr int kAssumedFor = 6;  // keyframes
   if (tilt_is_assumed_ && keyframe_count_ >= kAssumedFor) up_.reset();
   if (up) {
@@ -131,8 +132,9 @@ void GlobalLocalizer::follow() {
 }
 
 std::vector<CameraView> GlobalLocalizer::rig() const {
-  // What the last few keyframes saw, as if cameras of one robot had seen it at once: odometry is
-  // good for so long, and poses that are wrong seldom explain all of it.
+  // The images of the last few keyframes count as images of one robot with several cameras.
+  // Odometry is accurate over so few keyframes, and a wrong pose seldom explains all of these
+  // images.
   constexpr size_t kMost = 3;
   std::vector<CameraView> views;
   Pose to_then = Pose::Identity();
@@ -156,11 +158,13 @@ std::vector<Pose> GlobalLocalizer::candidates() {
   add(alongWhatWasOpen());
   if (only_guess_) return found;
   add(whereItLooksAlike());
-  // What so many looks have not found, the next will hardly find.
+  // When so many searches have not found the pose, the next one hardly does. So later searches are
+  // rare.
   constexpr int kEager = 12, kSeldom = 4;
   if (look_count_ > kEager && look_count_ % kSeldom != 0) return found;
   const int look = look_count_ > kEager ? look_count_ / kSeldom : look_count_;
-  // Both ways at first, then in turn.
+  // The search with all orientations and the search with the orientations of the hypotheses take
+  // turns. The second search is of both kinds.
   const bool even = look % 2 == 0;
   if (!even || look == 2) add(search_.everywhere(views, up_, &random_));
   if (even && !hypotheses_.empty()) add(search_.everywhere(views, up_, rotations(), &random_));
@@ -168,8 +172,9 @@ std::vector<Pose> GlobalLocalizer::candidates() {
 }
 
 std::vector<Pose> GlobalLocalizer::alongWhatWasOpen() const {
-  // Along a wall's only lines a pose may be anywhere. The next image that shows more fixes it, and
-  // a hypothesis that is followed finds the nearest of the places that look alike (shelves, steps).
+  // When all lines in view run in one direction, a pose may slide along them. The next image with
+  // more lines fixes it. But a hypothesis that is followed finds only the nearest place that looks
+  // alike (shelves, steps). So poses along the open direction are tried as well.
   constexpr size_t kMost = 4;                   // hypotheses
   constexpr double kOpen = 0.12, kStep = 0.12;  // m
   constexpr double kFarthest = 1.5;             // standard deviations
@@ -192,14 +197,14 @@ std::vector<Pose> GlobalLocalizer::alongWhatWasOpen() const {
 }
 
 std::vector<Pose> GlobalLocalizer::whereItLooksAlike() {
-  // A wrong pose that explains several images is often a bay or a floor away from the right one.
+  // A wrong pose that explains several images is often one bay or one floor away from the right
+  // one.
   constexpr size_t kMost = 4;  // hypotheses
   std::vector<Pose> found, tried;
   for (size_t i = 0; i < hypotheses_.size() && tried.size() < kMost; ++i) {
     Hypothesis& h = hypotheses_[i];
-    if (std::any_of(tried.begin(), tried.end(), [&](const Pose& pose) {
-          return isNear(pose, h.pose, kSamePlace, kSameHeading);
-        }))
+    if (std::any_of(tried.begin(), tried.end(),
+                    [&](const Pose& pose) { return isNear(pose, h.pose, kSamePlace); }))
       continue;
     tried.push_back(h.pose);
     if (h.repeated || h.followed == 0) continue;
@@ -259,9 +264,7 @@ void GlobalLocalizer::look() {
   std::vector<FoundPose> fresh;
   for (const FoundPose& f : found) {
     if (fresh.size() >= static_cast<size_t>(map_.params().search.hypotheses)) break;
-    const auto known = [&](const auto& other) {
-      return isNear(other.pose, f.pose, 0.1, 3 * kDegree);
-    };
+    const auto known = [&](const auto& other) { return isNear(other.pose, f.pose, kSamePose); };
     if (std::none_of(hypotheses_.begin(), hypotheses_.end(), known) &&
         std::none_of(fresh.begin(), fresh.end(), known) &&
         search_.admits(keyframes_.back().seen.views, f.pose))
@@ -279,13 +282,14 @@ void GlobalLocalizer::sort() {
 }
 
 void GlobalLocalizer::smooth() {
-  // One that was found beside the truth carries the scores of that with it, though later images
-  // have brought it to the right place: from there the earlier ones are looked at anew.
+  // A hypothesis that was found beside the true pose carries the low scores of its first keyframes,
+  // even when later images have moved it to the true pose. So the earlier keyframes are judged
+  // again from its newest pose.
   constexpr size_t kMost = 8;
   const size_t count = std::min(kMost, hypotheses_.size());
   tbb::parallel_for(size_t{0}, count, [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
-    if (h.followed == 0) return;  // has just been followed backwards
+    if (h.followed == 0) return;  // it was followed backwards just now
     Hypothesis smoothed = backwards(h.history.back());
     if (smoothed.total <= h.total) return;
     h.total = smoothed.total;
@@ -303,7 +307,7 @@ void GlobalLocalizer::prune() {
     if (!search_.admits(views, h.pose)) continue;
     if (!kept.empty() && h.total < kept.front().total - 4 * p.min_margin - 200) break;
     const auto same = std::find_if(kept.begin(), kept.end(), [&](const Hypothesis& k) {
-      return isNear(k.pose, h.pose, 0.08, 2 * kDegree);
+      return isNear(k.pose, h.pose, kMergedHypothesis);
     });
     if (same == kept.end())
       kept.push_back(std::move(h));
@@ -313,80 +317,95 @@ void GlobalLocalizer::prune() {
   hypotheses_ = std::move(kept);
 }
 
-SearchReport GlobalLocalizer::judge() const {
+double GlobalLocalizer::addClusters(SearchReport* report) const {
+  constexpr size_t kMost = 10;  // places in a report
+  std::vector<double> totals;
+  double next = 0;  // score of a pose without any evidence
+  for (const Hypothesis& h : hypotheses_) {
+    const bool same =
+        std::any_of(report->clusters.begin(), report->clusters.end(),
+                    [&](const PoseCluster& c) { return isNear(c.pose, h.pose, kSamePlace); });
+    if (same || report->clusters.size() >= kMost) continue;
+    if (report->clusters.size() == 1) next = std::max(next, h.total);
+    report->clusters.push_back({h.pose, 0});
+    totals.push_back(h.total);
+  }
+  const std::vector<double> weights = normalize(totals);
+  for (size_t i = 0; i < weights.size(); ++i) report->clusters[i].weight = weights[i];
+  return next;
+}
+
+GlobalLocalizer::Support GlobalLocalizer::addMeans(const Hypothesis& best, SearchReport* report) {
+  Support support;
+  for (const FoundPose& f : best.history) {
+    if (f.match_ratio >= 0) {
+      report->evidence += f.evidence;
+      report->match_ratio += f.match_ratio;
+      ++support.images;
+    }
+    if (f.depth_agreement >= 0) {
+      report->depth_agreement += f.depth_agreement;
+      ++support.depths;
+    }
+  }
+  report->evidence /= std::max(1, support.images);
+  report->match_ratio /= std::max(1, support.images);
+  report->depth_agreement /= std::max(1, support.depths);
+  return support;
+}
+
+double GlobalLocalizer::neededMargin(const SearchReport& report, const Support& support) const {
   const SearchParameters& p = map_.params().search;
+  if (support.images == 0) return p.min_margin;
+  // When the images show a smaller part of the model, this part must prove more.
+  const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));
+  const double margin = p.min_margin * (shortfall * shortfall);
+  const LikelihoodParameters& likelihood = map_.params().likelihood;
+  if (likelihood.model == LikelihoodModel::kRobust) return margin;
+  // Paper model: an image scores at most k (eq. 3), and the best wrong place scores most of that.
+  constexpr double kShareOfAll = 1.0 / 6;
+  return std::min(margin, kShareOfAll * likelihood.k * p.window);
+}
+
+bool GlobalLocalizer::isExplained(const SearchReport& report, const Support& support) const {
+  constexpr double kLeastRatio = 0.3;  // below it the images do not show most of the model
+  const SearchParameters& p = map_.params().search;
+  if (support.images > 0 && report.match_ratio < kLeastRatio) return false;
+  const bool robust = map_.params().likelihood.model == LikelihoodModel::kRobust;
+  if (support.images > 0 && robust && report.evidence < p.min_evidence) return false;
+  return support.depths == 0 ||
+         report.depth_agreement >= map_.params().tracking.min_depth_agreement;
+}
+
+bool GlobalLocalizer::hasRival(double needed_margin) const {
+  // Shelves and stairs look alike one step farther. The pose is not known while a neighbour
+  // explains the images nearly as well. Nearly means: its score is lower by less than this share of
+  // the margin to other places.
+  constexpr double kShare = 0.3;
+  const Hypothesis& best = hypotheses_.front();
+  return std::any_of(hypotheses_.begin() + 1, hypotheses_.end(), [&](const Hypothesis& h) {
+    return h.total > best.total - kShare * needed_margin && !isNear(h.pose, best.pose, kNeighbour);
+  });
+}
+
+SearchReport GlobalLocalizer::judge() const {
   SearchReport report;
   report.keyframes = keyframe_count_;
   report.hypotheses = static_cast<int>(hypotheses_.size());
   if (hypotheses_.empty()) return report;
   const Hypothesis& best = hypotheses_.front();
-  std::vector<double> totals;
-  double next = 0;  // what seeing nothing would score
-  for (const Hypothesis& h : hypotheses_) {
-    const bool same = std::any_of(
-        report.clusters.begin(), report.clusters.end(),
-        [&](const PoseCluster& c) { return isNear(c.pose, h.pose, kSamePlace, kSameHeading); });
-    if (same || report.clusters.size() >= 10) continue;
-    if (report.clusters.size() == 1) next = std::max(next, h.total);
-    report.clusters.push_back({h.pose, 0});
-    totals.push_back(h.total);
-  }
-  const std::vector<double> weights = normalize(totals);
-  for (size_t i = 0; i < weights.size(); ++i) report.clusters[i].weight = weights[i];
-  report.margin = best.total - next;
-  int with_image = 0, with_depth = 0;
-  for (const FoundPose& f : best.history) {
-    if (f.match_ratio >= 0) {
-      report.evidence += f.evidence;
-      report.match_ratio += f.match_ratio;
-      ++with_image;
-    }
-    if (f.depth_agreement >= 0) {
-      report.depth_agreement += f.depth_agreement;
-      ++with_depth;
-    }
-  }
-  report.evidence /= std::max(1, with_image);
-  report.match_ratio /= std::max(1, with_image);
-  report.depth_agreement /= std::max(1, with_depth);
+  report.margin = best.total - addClusters(&report);
+  const Support support = addMeans(best, &report);
   report.estimate.mean = best.pose;
-  // Along a bare wall a pose that explains all may still be anywhere.
-  constexpr double kPosition = 0.05, kAngle = 1.5 * kDegree;
   report.estimate.covariance = best.history.back().covariance;
-  report.estimate.covariance.diagonal().head<3>().array() += kPosition * kPosition;
-  report.estimate.covariance.diagonal().tail<3>().array() += kAngle * kAngle;
-  double min_margin = p.min_margin;
-  bool explained = true;
-  if (with_image > 0) {
-    // Where much of the model is not seen in the images, the rest must tell more.
-    constexpr double kLeastRatio = 0.3;
-    const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));
-    min_margin *= shortfall * shortfall;
-    explained = report.match_ratio >= kLeastRatio;
-    const LikelihoodParameters& likelihood = map_.params().likelihood;
-    if (likelihood.model == LikelihoodModel::kRobust) {
-      explained = explained && report.evidence >= p.min_evidence;
-    } else {
-      // An image scores k at most (eq. 3), the best wrong place most of that.
-      constexpr double kShareOfAll = 1.0 / 6;
-      min_margin = std::min(min_margin, kShareOfAll * likelihood.k * p.window);
-    }
-  }
-  if (with_depth > 0)
-    explained = explained && report.depth_agreement >= map_.params().tracking.min_depth_agreement;
-  // Shelves and stairs look alike a step farther: while neighbours explain the images about as
-  // well, the pose is not known.
-  constexpr double kNeighbour = 0.12, kNeighbourAngle = 3 * kDegree, kMuchBetter = 0.3;
-  const bool one_of_several =
-      std::any_of(hypotheses_.begin() + 1, hypotheses_.end(), [&](const Hypothesis& h) {
-        return h.total > best.total - kMuchBetter * min_margin &&
-               !isNear(h.pose, best.pose, kNeighbour, kNeighbourAngle);
-      });
-  report.convincing = explained && report.margin >= min_margin && !one_of_several;
-  // What was found just now was chosen to fit; only images that come later can contradict it.
+  addVariance(kSearchFloor, &report.estimate);
+  const double needed_margin = neededMargin(report, support);
+  report.convincing =
+      isExplained(report, support) && report.margin >= needed_margin && !hasRival(needed_margin);
+  // A new hypothesis was chosen because it fits. Only later images can contradict it.
   constexpr int kFollowed = 2;  // keyframes
-  report.converged =
-      report.convincing && keyframe_count_ >= p.min_keyframes && best.followed >= kFollowed;
+  report.converged = report.convincing && keyframe_count_ >= map_.params().search.min_keyframes &&
+                     best.followed >= kFollowed;
   return report;
 }
 

@@ -1,4 +1,4 @@
-/// Finds the pose without knowing where to begin, from several images with motion between them.
+/// Finds the pose of a robot that does not know where it is, from several keyframes.
 #pragma once
 
 #include <deque>
@@ -11,53 +11,86 @@
 
 namespace edge_mcl {
 
-/// Hypotheses are poses; each is followed through the keyframes by odometry and refinement, and
-/// judged by all of them together. New ones are searched for in the first keyframes and now and
-/// then later, and then followed backwards, so that all are judged by the same images.
+/// The global search. A hypothesis is a pose. Odometry and refinement follow every hypothesis
+/// through the keyframes, and all keyframes together judge it. New hypotheses are searched for in
+/// the first keyframes, and in some of the later ones. They are then followed backwards through the
+/// earlier keyframes, so that all hypotheses are judged by the same images. See docs/search.md.
 class GlobalLocalizer : public PoseFinder {
  public:
-  /// The map must outlive this object.
+  /// @param map must outlive this object.
+  /// @param seed of the random generator.
   GlobalLocalizer(const LocalizationMap& map, uint64_t seed);
 
   void begin() override;
   void begin(const PoseGaussian& guess, bool only_there) override;
   void move(const BaseMotion& motion) override;
-  /// Takes seconds where the images are a new view.
+  /// Takes seconds when the images become a keyframe.
   SearchReport process(const std::vector<CameraView>& views,
                        const std::optional<UpReading>& up) override {
     return process(views, up, true);
   }
-  /// @param look for new hypotheses; otherwise those that there are are followed, which is fast.
+  /// @param look true: new hypotheses are searched for. false: the existing ones are only followed,
+  /// which is fast.
   SearchReport process(const std::vector<CameraView>& views, const std::optional<UpReading>& up,
                        bool look);
 
  private:
+  /// The images of one moment that the search uses.
   struct Keyframe {
     SearchViews seen;
-    BaseMotion since;  ///< the keyframe before
+    BaseMotion since;  ///< motion since the keyframe before
   };
   struct Hypothesis {
-    Pose pose = Pose::Identity();   ///< at the newest keyframe
-    std::deque<FoundPose> history;  ///< of every keyframe, newest last
-    double total = 0;               ///< nats
-    int followed = 0;               ///< keyframes since it was found
-    PoseGaussian expected;          ///< at the newest keyframe, before its images; if followed
-    bool repeated = false;          ///< what looks alike elsewhere in the building has been tried
+    Pose pose = Pose::Identity();   ///< T_map_base at the newest keyframe
+    std::deque<FoundPose> history;  ///< pose and scores at every keyframe, newest last
+    double total = 0;               ///< sum of the log-likelihoods, nats
+    int followed = 0;               ///< number of keyframes since it was found
+    PoseGaussian expected;  ///< at the newest keyframe without its images; set when followed
+    bool repeated = false;  ///< its look-alikes have been tried
   };
 
+  /// The prior at the next keyframe: the pose moved by odometry. kFollowFloor is added to its
+  /// covariance.
   static PoseGaussian predicted(const FoundPose& before, const Pose& motion, const Twist& variance);
+  /// Moves all hypotheses to the newest keyframe and refines them there.
   void follow();
+  /// Searches for new hypotheses in the newest keyframe.
   void look();
+  /// The images of the last keyframes as images of one robot with several cameras.
   std::vector<CameraView> rig() const;
+  /// Poses at which new hypotheses may begin, T_map_base.
   std::vector<Pose> candidates();
+  /// Poses along the open directions of the best hypotheses, T_map_base.
   std::vector<Pose> alongWhatWasOpen() const;
+  /// Look-alikes of the best hypotheses, T_map_base.
   std::vector<Pose> whereItLooksAlike();
+  /// Orientations of the best hypotheses, turned by quarters about the vertical, R_map_base.
   std::vector<Eigen::Matrix3d> rotations() const;
+  /// Follows a pose of the newest keyframe backwards through all keyframes.
   Hypothesis backwards(const FoundPose& found) const;
+  /// Follows the best hypotheses backwards again and keeps better scores.
   void smooth();
+  /// Sorts the hypotheses, best first.
   void sort();
+  /// Merges hypotheses that have come together, and drops bad ones.
   void prune();
+  /// How many keyframes of a hypothesis have an image, and how many have depth.
+  struct Support {
+    int images = 0, depths = 0;
+  };
+  /// Makes the report of the newest keyframe.
   SearchReport judge() const;
+  /// Adds the best places with their weights. @return the score of the second place, at least 0,
+  /// nats
+  double addClusters(SearchReport* report) const;
+  /// Adds the means of evidence, match ratio and depth agreement over the keyframes.
+  static Support addMeans(const Hypothesis& best, SearchReport* report);
+  /// Margin to other places that proves the pose, nats.
+  double neededMargin(const SearchReport& report, const Support& support) const;
+  /// Whether images and depth fit the best hypothesis well enough.
+  bool isExplained(const SearchReport& report, const Support& support) const;
+  /// Whether a neighbour explains the images nearly as well as the best hypothesis.
+  bool hasRival(double needed_margin) const;
 
   const LocalizationMap& map_;
   PoseSearch search_;
@@ -65,11 +98,11 @@ class GlobalLocalizer : public PoseFinder {
   std::deque<Keyframe> keyframes_;
   int keyframe_count_ = 0, look_count_ = 0;
   std::vector<Hypothesis> hypotheses_;  // best first
-  std::optional<PoseGaussian> guess_;
+  std::optional<PoseGaussian> guess_;   // T_map_base now
   bool only_guess_ = false;
-  std::optional<UpReading> up_;
-  bool tilt_is_assumed_ = false;
-  BaseMotion since_;  // the newest keyframe
+  std::optional<UpReading> up_;   // roll and pitch now
+  bool tilt_is_assumed_ = false;  // up_ is from the guess
+  BaseMotion since_;              // motion since the newest keyframe
   SearchReport report_;
 };
 

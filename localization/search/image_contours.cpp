@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kDirections = 8;
 
-/// Number of the bin of a line's direction, of half a turn.
+/// Number of the direction bin of an undirected line. The bins share half a turn.
 int binOf(double dx, double dy) {
   double angle = std::atan2(dy, dx) / M_PI;  // half a turn is 1
   angle -= std::floor(angle);
@@ -19,7 +19,7 @@ int binOf(double dx, double dy) {
 
 uint8_t bit(int bin) { return static_cast<uint8_t>(1U << ((bin + kDirections) % kDirections)); }
 
-/// A direction and its neighbours.
+/// Bits of a direction bin and of its two neighbours.
 uint8_t around(int bin) { return bit(bin - 1) | bit(bin) | bit(bin + 1); }
 
 }  // namespace
@@ -32,7 +32,8 @@ ImageContours::ImageContours(const EdgeImage& image) {
   paintEdges(image);
   cv::Mat labels, statistics, centroids;
   cv::connectedComponentsWithStats(image.edges, labels, statistics, centroids, 8, CV_32S);
-  // Noise makes edges of some twenty pixels, whatever the image's size, and they curl up.
+  // Edges from noise are about twenty pixels long, independent of the image's size, and they curl
+  // up.
   const int extent = std::max(32, image.width() / 20);
   std::vector<bool> is_long(static_cast<size_t>(statistics.rows), false);
   for (int k = 1; k < statistics.rows; ++k)
@@ -103,7 +104,7 @@ ContourMatch ImageContours::compare(const VisibleSet& visible, const CameraModel
       const Eigen::Vector2d way = to - from;
       if (way.squaredNorm() < 1e-12) continue;
       const int bin = binOf(way.x(), way.y());
-      // Seen nearly end-on from close by, a piece may be long in the image.
+      // A piece that is seen nearly end-on from close by may be very long in the image.
       const int steps =
           std::clamp(static_cast<int>(way.norm() / cell_) + 1, 1, 2 * (columns_ + rows_));
       for (int k = 0; k <= steps; ++k) paint(from + way * (static_cast<double>(k) / steps), bin);
@@ -112,7 +113,7 @@ ContourMatch ImageContours::compare(const VisibleSet& visible, const CameraModel
   ContourMatch match;
   for (const Pixel& pixel : pixels_)
     match.explained += (near_model[pixel.cell] & pixel.direction) != 0;
-  // A line crosses a cell in about as many pixels as the cell is wide.
+  // A line crosses a cell in about as many pixels as the side of the cell has.
   for (size_t cell = 0; cell < on_model.size(); ++cell)
     if ((on_model[cell] & ~image_edges_[cell]) != 0) match.missing += static_cast<size_t>(cell_);
   return match;

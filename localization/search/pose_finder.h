@@ -1,9 +1,10 @@
-/// Looking for the pose of a robot that does not know where it is: what comes in, what comes out.
+/// Interface of the global search: finds the pose of a robot that does not know where it is.
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/localization/filter/motion_noise.h"
 #include "edge_mcl/localization/filter/tilt_correction.h"
@@ -13,34 +14,39 @@ namespace edge_mcl {
 /// A place where the robot may be.
 struct PoseCluster {
   Pose pose = Pose::Identity();  ///< T_map_base
-  double weight = 0;             ///< of all, sum 1
+  double weight = 0;             ///< share of this place; the weights of all places have the sum 1
 };
 
-/// What the search knows after an image.
+/// State of the search after an image. Poses are T_map_base.
 struct SearchReport {
-  bool keyframe = false;              ///< this holds news: a new view has been used
-  bool convincing = false;            ///< `estimate` explains the keyframes, and nothing else does
-  bool converged = false;             ///< and so it did when new ones came: it is there
-  bool stale = false;                 ///< that was some time ago, and who knows where it is now
-  PoseGaussian estimate;              ///< the best hypothesis, T_map_base; without any: identity
-  std::vector<PoseCluster> clusters;  ///< best first, at most ten
-  double margin = 0;       ///< nats, by which the best explains the keyframes better than the next
-  double evidence = 0;     ///< of the best, mean over the keyframes
-  double match_ratio = 0;  ///< likewise
-  double depth_agreement = 0;  ///< likewise, of the keyframes with depth
-  int keyframes = 0;           ///< so far
-  int hypotheses = 0;          ///< kept
-  double total_ms = 0;         ///< of this keyframe
+  bool keyframe = false;    ///< true: this report has a new result, because a keyframe was used
+  bool convincing = false;  ///< `estimate` explains the keyframes, and no other place does
+  bool converged = false;   ///< convincing, with two keyframes since the pose was found
+  /// Odometry has carried the pose too far, since the result or between two of its keyframes. The
+  /// pose then needs further proof.
+  bool stale = false;
+  PoseGaussian estimate;              ///< best hypothesis, at this image; identity if there is none
+  std::vector<PoseCluster> clusters;  ///< different places, best first, at most ten
+  /// Log-likelihood of the best hypothesis over the keyframes minus that of the next place, nats.
+  /// The next place counts as 0 (no evidence) if it scores less.
+  double margin = 0;
+  double evidence = 0;         ///< of the best hypothesis, mean over keyframes, see FoundPose
+  double match_ratio = 0;      ///< of the best hypothesis, mean over keyframes, see FoundPose
+  double depth_agreement = 0;  ///< of the best hypothesis, mean over keyframes with depth
+  int keyframes = 0;           ///< number of keyframes so far
+  int hypotheses = 0;          ///< number of hypotheses that are kept
+  double total_ms = 0;         ///< computing time of this keyframe, ms; 0 without a new result
 };
 
-/// Motion of the base over a time.
+/// Motion of the base over a time, with its uncertainty.
 struct BaseMotion {
-  Pose step = Pose::Identity();
-  Twist variance = Twist::Zero();  ///< of it
-  double elapsed = 0;              ///< s
-  double blind = 0;                ///< s of them without odometry
+  Pose step = Pose::Identity();    ///< motion in the frame of the base before it
+  Twist variance = Twist::Zero();  ///< of the step, per axis: m^2, rad^2
+  double elapsed = 0;              ///< duration, s
+  double blind = 0;                ///< the part of the duration without odometry, s
 
-  /// @param increment nothing: unknown
+  /// Motion over one time step. @param increment from odometry; none: the base is assumed to stand
+  /// still, with the noise of the constant-velocity model. @param dt seconds.
   static BaseMotion of(const FilterParameters& p, const std::optional<Pose>& increment, double dt) {
     BaseMotion motion;
     motion.step = increment.value_or(Pose::Identity());
@@ -51,6 +57,7 @@ struct BaseMotion {
     return motion;
   }
 
+  /// Appends a later motion to this one.
   void add(const BaseMotion& later) {
     step = normalized(step * later.step);
     variance += later.variance;
@@ -58,9 +65,9 @@ struct BaseMotion {
     blind += later.blind;
   }
 
-  /// Whether there is something new to see after it.
+  /// Whether an image after this motion becomes a keyframe: after search.keyframe_distance or
+  /// search.keyframe_angle_deg, or, if odometry was missing, after search.keyframe_period.
   bool isNewView(const SearchParameters& p) const {
-    constexpr double kDegree = M_PI / 180;
     if (blind > 0) return elapsed >= p.keyframe_period;
     return step.translation().norm() >= p.keyframe_distance ||
            logSo3(step.linear()).norm() >= p.keyframe_angle_deg * kDegree;
@@ -72,15 +79,19 @@ class PoseFinder {
  public:
   virtual ~PoseFinder() = default;
 
-  /// Forgets all and begins anew, in the whole model.
+  /// Forgets everything and begins a search in the whole model.
   virtual void begin() = 0;
-  /// The same; also looks around a guess (T_map_base, at the next image), or there only. Its roll
-  /// and pitch are taken to hold for the first keyframes if no better are known.
+  /// Forgets everything and begins a search around a guess.
+  /// @param guess T_map_base at the next image. Its roll and pitch, if certain enough, are used for
+  /// the first keyframes until better ones are known.
+  /// @param only_there false: the whole model is searched as well.
   virtual void begin(const PoseGaussian& guess, bool only_there) = 0;
 
-  /// Motion since the last call of this.
+  /// Adds the motion of the base since the last call of move().
   virtual void move(const BaseMotion& motion) = 0;
-  /// Offers images. @param up roll and pitch, if known now. @return poses as of now
+  /// Offers the images of one moment. They are used if they make a keyframe.
+  /// @param up roll and pitch at this moment, if known.
+  /// @return state of the search. Odometry carries its estimate to this moment.
   virtual SearchReport process(const std::vector<CameraView>& views,
                                const std::optional<UpReading>& up) = 0;
 };

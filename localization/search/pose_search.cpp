@@ -1,4 +1,5 @@
 #include "edge_mcl/localization/search/pose_search.h"
+#include "edge_mcl/core/base/angles.h"
 
 #include <tbb/parallel_for.h>
 
@@ -15,15 +16,12 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
-// Effort of a refinement in the reduced image: iterations, samples.
+// Effort of a refinement in the reduced image: iterations, samples per camera.
 constexpr RefinementEffort kReducedEffort{6, 200};
 
-/// Of a base whose camera is held upright, more or less: looking ahead, up or down, a little
-/// tilted.
+/// Random R_map_base of a base whose camera is held roughly upright. @param heading radians.
 Eigen::Matrix3d uprightRotation(double heading, const Pose& T_base_camera, RandomSource* random) {
-  constexpr double kPitch = 20 * kDegree, kRoll = 8 * kDegree;
+  constexpr double kPitch = 20 * kDegree, kRoll = 8 * kDegree;  // standard deviations
   const Eigen::Matrix3d camera =
       Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) * opticalOnBody().linear() *
       Eigen::AngleAxisd(kPitch * random->normal(), Eigen::Vector3d::UnitX()) *
@@ -31,7 +29,8 @@ Eigen::Matrix3d uprightRotation(double heading, const Pose& T_base_camera, Rando
   return camera * T_base_camera.linear().transpose();
 }
 
-/// Level as read, give or take what the reading may be off, turned to a heading.
+/// R_map_base with roll and pitch from a reading, turned to a heading. @param heading radians.
+/// @param certain a reading with a larger sigma (rad) gets random noise of that sigma.
 Eigen::Matrix3d levelRotation(const UpReading& up, double heading, double certain,
                               RandomSource* random) {
   const Eigen::Matrix3d level =
@@ -42,7 +41,7 @@ Eigen::Matrix3d levelRotation(const UpReading& up, double heading, double certai
   return Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) * tilt * level;
 }
 
-/// The base pose that puts a camera at a position.
+/// T_map_base that puts the camera at a position. @param rotation R_map_base.
 Pose baseAt(const Eigen::Vector3d& camera_position, const Eigen::Matrix3d& rotation,
             const Pose& T_base_camera) {
   Pose pose = Pose::Identity();
@@ -64,7 +63,8 @@ RefinementView reducedView(const Pose& T_base_camera,
   return view;
 }
 
-/// Leaves out what is near a better one. Keeps at most `most`.
+/// Leaves out items near a better one, and keeps at most `most`. @param items best first.
+/// @param distance, angle items closer than both limits are near each other: metres, radians.
 template <class Item>
 std::vector<Item> distinct(std::vector<Item> items, size_t most, double distance, double angle) {
   std::vector<Item> kept;
@@ -123,7 +123,7 @@ bool PoseSearch::admits(const std::vector<CameraView>& views, const Pose& pose) 
 
 PoseGaussian PoseSearch::looseAround(const Pose& start, const std::optional<UpReading>& up) const {
   PoseGaussian prior;
-  constexpr double kStart = 0.4;  // m; about the distance of the places
+  constexpr double kStart = 0.4;  // m; about the distance between search places
   prior.mean = start;
   prior.covariance.diagonal().head<3>().setConstant(kStart * kStart);
   const double turn = 20 * kDegree;
@@ -171,7 +171,7 @@ std::vector<Pose> PoseSearch::everywhere(const std::vector<CameraView>& views,
                                          const std::optional<UpReading>& up, RandomSource* random) {
   const SearchParameters& p = map_.params().search;
   if (!places_) places_ = map_.searchPlaces();
-  // Many orientations at very many places would take minutes.
+  // Without a limit, many orientations at very many places would take minutes.
   constexpr size_t kMostPoses = 400000;
   const auto headings = static_cast<size_t>(p.headings);
   const size_t per_place =
@@ -179,7 +179,7 @@ std::vector<Pose> PoseSearch::everywhere(const std::vector<CameraView>& views,
          : std::min(static_cast<size_t>(p.orientations),
                     std::max(headings, kMostPoses / std::max<size_t>(1, places_->places.size())));
   return everywhere(views, up, per_place, random, [&](size_t i, double phase, RandomSource* own) {
-    // One particle in each part of space and heading, anywhere in it.
+    // Stratified sampling: one pose in every part of space and heading, at a random point of it.
     const double heading =
         2 * M_PI * (static_cast<double>(i) + phase) / static_cast<double>(per_place);
     return up ? levelRotation(*up, heading, p.tilt_sigma_deg * kDegree, own)
@@ -204,7 +204,7 @@ std::vector<Pose> PoseSearch::everywhere(
   const std::vector<SearchPlaces::Place>& places = places_->places;
   const SearchParameters& p = map_.params().search;
   const SmallViews small = reduce(views);
-  // Drawn beforehand, in order, so that the threads cannot matter.
+  // Every place has its own random source, so that the result does not depend on the threads.
   std::vector<uint64_t> seeds(places.size());
   for (uint64_t& seed : seeds) seed = static_cast<uint64_t>(random->uniform() * 0x1.0p53);
   const size_t kept =
@@ -220,7 +220,8 @@ std::vector<Pose> PoseSearch::everywhere(
       for (int a = 0; a < 3; ++a) position[a] += places_->spacing * 0.6 * (own.uniform() - 0.5);
       poses.push_back(baseAt(position, rotationOf(i, phase, &own), views.front().T_base_camera));
     }
-    // Neighbouring headings together, so that what is behind all of them is not looked at.
+    // Poses with neighbouring headings are scored together. The kernel then leaves out the segments
+    // behind all of them.
     std::vector<double> scores(poses.size());
     constexpr size_t kTogether = 16;
     for (size_t i = 0; i < poses.size(); i += kTogether)
@@ -272,8 +273,9 @@ std::vector<Pose> PoseSearch::around(const std::vector<CameraView>& views,
 }
 
 std::vector<Pose> PoseSearch::alike(const SearchViews& seen, const Pose& pose) const {
-  // Half a step off, a pose is still within reach of a refinement in the reduced image. What a
-  // neighbouring place sees is no good: near beams and columns it is another view.
+  // A pose with an error of half a step is still within reach of a refinement in the reduced image.
+  // Each pose needs a visible set of its own. Near beams and columns a neighbouring search place
+  // sees other lines.
   constexpr double kStep = 0.2, kNearest = 0.4;  // m
   constexpr size_t kMost = 12;
   const auto image = static_cast<size_t>(std::find_if(seen.small.begin(), seen.small.end(),

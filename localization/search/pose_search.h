@@ -1,7 +1,8 @@
 /// Finds poses that may explain an image, in the whole model or around a guess.
 ///
-/// Poses are tried from broad to sharp: very many against a broad likelihood of a reduced image;
-/// the best of them are refined there and weighed sharply; the best of those in the full image.
+/// The search goes from broad to sharp. Very many poses are scored by a broad likelihood of the
+/// reduced image. The best of them are refined in the reduced image and scored by its sharp
+/// likelihood. The best of these are refined in the full image.
 #pragma once
 
 #include <functional>
@@ -15,63 +16,80 @@
 
 namespace edge_mcl {
 
+/// One step of the global search: from images to a list of poses, without memory between images.
 class PoseSearch {
  public:
-  /// The map must outlive this object, and makes its free space for it; places are made with the
-  /// first search of the whole model.
+  /// Makes the free space of the map. The search places of the map are made at the first search of
+  /// the whole model, which takes seconds. @param map must outlive this object.
   explicit PoseSearch(const LocalizationMap& map);
 
-  /// Best first, none near another, up to about 10 cm and 3 degrees off: to be sharpened.
-  /// @param views may be of several moments, as cameras of one rig. @param up roll and pitch;
-  /// without, the first camera is taken to be held upright, looking up or down by some tens of
-  /// degrees.
+  /// Searches the whole model. @param views images and depth images; several moments can be given
+  /// as cameras of one rig. @param up roll and pitch; without them the first camera is assumed to
+  /// be held upright and to look up or down by some tens of degrees.
+  /// @return T_map_base poses, best first, no two of them close to each other. They have errors of
+  /// up to about 10 cm and 3 degrees, so they still need sharpen(). @throws InputError when the
+  /// free space holds no place.
   std::vector<Pose> everywhere(const std::vector<CameraView>& views,
                                const std::optional<UpReading>& up, RandomSource* random);
-  /// Tries these orientations (of the base) only, at more positions: in buildings of right angles a
-  /// wrong position often has a right orientation.
+  /// Searches the whole model with these orientations (R_map_base) only, at more positions. In
+  /// buildings with right angles a hypothesis at a wrong position often has the right orientation.
+  /// Parameters and result are those of the search without `rotations`.
   std::vector<Pose> everywhere(const std::vector<CameraView>& views,
                                const std::optional<UpReading>& up,
                                const std::vector<Eigen::Matrix3d>& rotations, RandomSource* random);
-  /// Draws from a Gaussian instead.
+  /// Searches around a guess (T_map_base): tries random poses from the Gaussian. Other parameters
+  /// and the result are those of everywhere().
   std::vector<Pose> around(const std::vector<CameraView>& views, const PoseGaussian& guess,
                            const std::optional<UpReading>& up, RandomSource* random);
-  /// Elsewhere with the same orientation: along the main directions of the building through this
-  /// pose. Bays, rows of windows, floors look alike from one to the next.
+  /// Searches for look-alikes of a pose (T_map_base): poses with the same orientation, along the
+  /// main directions of the building through this pose. Neighbouring bays, rows of windows and
+  /// floors look alike. @return T_map_base poses, best first, at most twelve.
   std::vector<Pose> alike(const SearchViews& seen, const Pose& pose) const;
 
+  /// Makes the reduced images and the contours of views, which the search uses several times.
   SearchViews prepare(std::vector<CameraView> views) const;
   /// Refines one pose in the full images, see PoseSharpener.
   FoundPose sharpen(const SearchViews& seen, const Pose& start, const PoseGaussian& prior) const {
     return sharpener_.sharpen(seen, start, prior);
   }
-  /// The same from the prior's mean, by way of the reduced images: odometry may be off by more than
-  /// a refinement in the full image finds its way back from.
+  /// Refines the mean of the prior first in the reduced images, then in the full images. Odometry
+  /// can have a larger error than a refinement in the full images alone corrects.
   FoundPose follow(const SearchViews& seen, const PoseGaussian& prior) const;
 
-  /// Whether the cameras are where cameras can be: not in a wall, whose plane many edges lie in.
+  /// Whether all cameras of a pose (T_map_base) are in free space, see FreeSpace::admits. A camera
+  /// in a wall would score well, because many edges lie in the plane of the wall.
   bool admits(const std::vector<CameraView>& views, const Pose& pose) const;
 
-  /// The prior for refining a pose that was found: wide, but for roll and pitch where known.
+  /// The prior for the refinement of a pose that was found (T_map_base). It is wide, except for
+  /// roll and pitch if `up` gives them.
   PoseGaussian looseAround(const Pose& start, const std::optional<UpReading>& up) const;
 
  private:
-  /// A base pose, and what the first camera sees from about there.
+  /// A pose to start a refinement from.
   struct Start {
-    Pose pose;
-    std::shared_ptr<const VisibleSet> visible;
-    double score = 0;
-    bool admitted = true;
+    Pose pose;                                  ///< T_map_base
+    std::shared_ptr<const VisibleSet> visible;  ///< from about the position of the first camera
+    double score = 0;                           ///< nats, in the reduced images
+    bool admitted = true;                       ///< see admits()
   };
   using SmallViews = std::vector<std::shared_ptr<const SmallImage>>;
 
+  /// Reduced image of every view; null for a view without image.
   SmallViews reduce(const std::vector<CameraView>& views) const;
+  /// Scores poses (T_map_base) in the reduced images, plus depth. @param sharp which of the two
+  /// likelihoods of a reduced image. @param scores nats, one per pose.
   void score(const std::vector<CameraView>& views, const SmallViews& small, bool sharp,
              const std::shared_ptr<const VisibleSet>& visible, const std::vector<Pose>& poses,
              double* scores) const;
+  /// The common part of both searches of the whole model. @param per_place poses per place.
+  /// @param rotationOf R_map_base of pose number i at a place, from i, a random phase in [0, 1) of
+  /// the place, and the random source of the place.
   std::vector<Pose> everywhere(
       const std::vector<CameraView>& views, const std::optional<UpReading>& up, size_t per_place,
       RandomSource* random,
       const std::function<Eigen::Matrix3d(size_t, double, RandomSource*)>& rotationOf);
+  /// Refines the best starts in the reduced images, and leaves out poses outside free space and
+  /// poses near a better one.
   std::vector<Pose> finish(const std::vector<CameraView>& views, const SmallViews& small,
                            std::vector<Start> starts, const std::optional<UpReading>& up) const;
 
@@ -80,8 +98,8 @@ class PoseSearch {
   SmallImages small_images_;
   PoseSharpener sharpener_;
   std::shared_ptr<const FreeSpace> space_;
-  std::vector<Eigen::Vector3d> directions_;     // of the building
-  std::shared_ptr<const SearchPlaces> places_;  // null before the first search of everything
+  std::vector<Eigen::Vector3d> directions_;     // main directions of the building, map frame
+  std::shared_ptr<const SearchPlaces> places_;  // null before the first search of the whole model
 };
 
 }  // namespace edge_mcl

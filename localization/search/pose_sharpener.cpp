@@ -9,11 +9,12 @@ namespace edge_mcl {
 
 namespace {
 
-// What an explained pixel of an image of this width is worth: a long contour about as much as the
-// line of the model that lies on it.
+// Score of an explained contour pixel in an image that is kContourWidth pixels wide. With this
+// score a long contour counts about as much as the model line that lies on it.
 constexpr double kNatsPerContourPixel = 0.2, kContourWidth = 640;
-// What a pixel of the model's visible edges is worth that the image does not show. Images do not
-// show all that is there: where they show a third of it, a pose still gains.
+// Cost of a pixel of a visible model edge without image edge, as a share of the score of an
+// explained pixel. Images do not show every edge of the model. With this share a pose still gains
+// when the image shows more than a third of its visible edges.
 constexpr double kShareOfMissingPixel = 0.5;
 
 }  // namespace
@@ -81,14 +82,15 @@ FoundPose PoseSharpener::sharpen(const SearchViews& seen, const Pose& start,
   const LikelihoodParameters& tracking = map_.params().likelihood;
   const LikelihoodParameters searching = searchLikelihood(map_.params());
   double line_scores = 0, lines = 0, points = 0, on_model = 0;
-  double contours = 0;  // pixels
+  double contours = 0;  // explained pixels minus weighted missing pixels
   double widest = kContourWidth;
   for (size_t v = 0; v < views.size(); ++v) {
     const Pose camera = found.pose * views[v].T_base_camera;
     if (views[v].image) {
       LikelihoodFrame frame = views[v].image->frame;
-      frame.sample_step *= thinning_;  // the sets are thinned already
-      constexpr double kMoved = 0.05;  // m; what is hidden has changed
+      // The visible sets are thinned already, so their samples are farther apart.
+      frame.sample_step *= thinning_;
+      constexpr double kMoved = 0.05;  // m; after a longer way other samples are hidden
       if (!isNear(found.pose, start, kMoved, kTurnInView))
         refined[v].visible = visibleFrom(found.pose, views[v]);
       const PoseScore s = evaluateWithVisibleSet(frame, *refined[v].visible, {camera}).front();

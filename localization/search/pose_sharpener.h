@@ -1,4 +1,4 @@
-/// Refines a pose in the full images, and says what they say of it.
+/// Refines a pose in the full images and scores the result.
 #pragma once
 
 #include <cmath>
@@ -7,49 +7,63 @@
 
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/localization/search/image_contours.h"
+#include "edge_mcl/localization/search/pose_tolerances.h"
 #include "edge_mcl/localization/search/small_image.h"
 
 namespace edge_mcl {
 
-/// A pose, refined, and what the images say of it.
+/// A refined pose and its scores in the images.
 struct FoundPose {
   Pose pose = Pose::Identity();          ///< T_map_base
-  Matrix6 covariance = Matrix6::Zero();  ///< of the refinement, with its prior; tangent space
-  double log_likelihood = 0;
-  double evidence = 0;          ///< per line, see UpdateReport::evidence_per_line
-  double match_ratio = -1;      ///< share of the visible samples with an image edge in reach;
-                                ///< negative: there was no image
-  double depth_agreement = -1;  ///< share of the depth points on the model; negative: none used
+  Matrix6 covariance = Matrix6::Zero();  ///< of the refinement with its prior; tangent space
+  double log_likelihood = 0;             ///< nats, see PoseSharpener::sharpen
+  double evidence = 0;                   ///< mean per line, see UpdateReport::evidence_per_line
+  /// Share of the visible samples with an image edge in reach; negative if there was no image.
+  double match_ratio = -1;
+  /// Share of the depth points on the model; negative if there were none.
+  double depth_agreement = -1;
 };
 
-/// What was seen at one moment, with what the search asks of it more than once.
+/// The views of one moment, with the data that the search computes once and uses several times.
 struct SearchViews {
   std::vector<CameraView> views;
-  std::vector<std::shared_ptr<const ImageContours>> contours;  ///< of each; null without image
-  std::vector<std::shared_ptr<const SmallImage>> small;        ///< likewise
+  std::vector<std::shared_ptr<const ImageContours>> contours;  ///< of each view; null without image
+  std::vector<std::shared_ptr<const SmallImage>> small;        ///< of each view; null without image
 };
 
-/// Closer than this in position and angle.
+/// Whether two poses are closer than both limits. @param distance metres. @param angle radians.
 bool isNear(const Pose& a, const Pose& b, double distance, double angle);
+inline bool isNear(const Pose& a, const Pose& b, const PoseTolerance& limit) {
+  return isNear(a, b, limit.position, limit.angle);
+}
 
-/// How far a refinement may turn a camera before what comes into view is looked up anew; rad.
-constexpr double kTurnInView = 25 * M_PI / 180;
+/// Largest rotation of a camera, rad, for which a set from visibleInView() stays complete. After a
+/// larger one the visible samples are computed anew.
+constexpr double kTurnInView = 25 * kDegree;
 
-/// What a camera sees of the model, also after it was turned by kTurnInView.
+/// The samples of the model that a camera sees, including those that it sees after a rotation of up
+/// to kTurnInView. @param thinning only every so many-th sample of the model is used.
 std::shared_ptr<const VisibleSet> visibleInView(const Visibility& visibility,
                                                 const Pose& T_map_camera, const CameraModel& camera,
                                                 uint32_t thinning);
 
+/// Refines and scores poses of the search in the full images. Safe to call from several threads.
 class PoseSharpener {
  public:
   /// The map must outlive this object.
   explicit PoseSharpener(const LocalizationMap& map);
 
-  /// The log-likelihood of what it returns holds what the model's edges find in the images, what of
-  /// the images' contours the model explains, and what it shows in vain.
+  /// Refines a pose in all images and depth images of a moment.
+  ///
+  /// The log-likelihood of the result is a sum of four parts. The first counts visible model edges
+  /// that have an image edge. The second counts pixels of long image contours that lie on a model
+  /// edge. The third counts pixels of visible model edges that have no image edge, with a negative
+  /// sign. The fourth is the log-likelihood of the depth points.
+  /// @param start T_map_base. @param prior Gaussian over T_map_base.
   FoundPose sharpen(const SearchViews& seen, const Pose& start, const PoseGaussian& prior) const;
 
  private:
+  /// @param base T_map_base.
   std::shared_ptr<const VisibleSet> visibleFrom(const Pose& base, const CameraView& view) const;
   std::vector<RefinementView> viewsFrom(const SearchViews& seen, const Pose& base) const;
 

@@ -24,7 +24,8 @@ ImageParameters smallImageParameters(ImageParameters image) {
 
 LikelihoodParameters withSigma(const Parameters& params, double sigma) {
   LikelihoodParameters likelihood = searchLikelihood(params);
-  likelihood.model = LikelihoodModel::kRobust;  // comparable however much of the model is in view
+  likelihood.model =
+      LikelihoodModel::kRobust;  // comparable with more and less of the model in view
   likelihood.sigma = sigma;
   likelihood.border_fade = 2;
   return likelihood;
@@ -37,16 +38,17 @@ RefinementParameters smallRefinement(RefinementParameters refinement) {
   return refinement;
 }
 
-constexpr double kBroad = 4, kSharp = 1.5;
-// A bare wall is seen from few places: where the model has many edges, and the image none, one is
-// not there. Centred scores would leave such poses with every line that fits by chance for nothing.
+constexpr double kBroad = 4, kSharp = 1.5;  // sigma of the two likelihoods, pixels
+// The scores are not centred: a model edge without image edge costs its full log-ratio. So an image
+// of a bare wall speaks against poses with many model edges in view. With centred scores chance
+// costs nothing. These poses would then keep the score of every line that fits by chance.
 constexpr bool kCentred = false;
 
 }  // namespace
 
 LikelihoodParameters searchLikelihood(const Parameters& params) {
-  // With weaker correlation the sum over the lines counts for more; the factor keeps scores, of
-  // views with few lines, in the range of the filter's.
+  // A weaker correlation makes the sum over the lines count more. The factor keeps the scores of
+  // images with few lines in the range of the filter's scores.
   constexpr double kScale = 0.3;
   LikelihoodParameters likelihood = params.likelihood;
   likelihood.line_correlation = params.search.line_correlation;
@@ -62,7 +64,7 @@ SmallImages::SmallImages(const Parameters& params, int width, double sample_step
       sharp_levels_(image_, sharp_, kCentred),
       refiner_(smallRefinement(params.refinement), sharp_, image_),
       width_(width),
-      // The sets of visible samples are thinned already: what is left is as if sampled more widely.
+      // The visible sets are thinned already, so their samples are farther apart.
       sample_step_(sample_step * thinning) {}
 
 std::shared_ptr<const SmallImage> SmallImages::make(const PreparedImage& image) const {

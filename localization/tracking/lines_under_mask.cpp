@@ -16,7 +16,8 @@ std::vector<LineUnderMask> linesUnderMask(const cv::Mat& mask, const EdgePixels&
   cv::connectedComponents(mask, parts, 8, CV_32S);
   std::map<std::pair<uint32_t, int32_t>, LineUnderMask> lines;
   const Pose camera_from_map = T_map_camera.inverse();
-  // A piece seen nearly end-on from close by may be long in the image; it says nothing.
+  // A piece that is seen nearly end-on from close by may be very long in the image. It tells
+  // nothing and is left out.
   const double longest = camera.width / 8.0;
   for (const VisibleSet::Segment& segment : visible.segments) {
     const EdgeSegment& of_model = visible.edgeSegment(segment);

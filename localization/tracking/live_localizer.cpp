@@ -4,18 +4,22 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "edge_mcl/core/base/angles.h"
+#include "edge_mcl/core/base/clock_step.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/localization/filter/motion_noise.h"
 #include "edge_mcl/localization/search/background_search.h"
 #include "edge_mcl/localization/search/global_localizer.h"
 #include "edge_mcl/localization/search/image_contours.h"
+#include "edge_mcl/localization/search/pose_tolerances.h"
 
 namespace edge_mcl {
 
 namespace {
 
-/// After a short darkness the first image that fits will do. Later odometry may have drifted (0.1
-/// m/s are not rare) to where one that fits is a shelf beside the truth.
+/// Longest time without a trusted pose, or without images, after which one image that fits is
+/// enough. After a longer time odometry may have drifted (0.1 m/s is not rare) to a pose where an
+/// image fits one shelf beside the true pose.
 constexpr double kBlindly = 3;  // s
 
 }  // namespace
@@ -29,11 +33,9 @@ LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map, bool se
 
 void LiveLocalizer::begin() {
   initial_ = filter_.estimate();
-  state_ = LocalizerState::kConverging;
+  states_.givePose();
   fresh_ = true;
   odometry_of_update_.reset();
-  trusted_at_.reset();
-  trusted_ = false;
   searching_ = false;
   mask_lifter_.forget();
   proof_.begin(isSpreadWide());
@@ -41,17 +43,16 @@ void LiveLocalizer::begin() {
 }
 
 bool LiveLocalizer::isSpreadWide() const {
-  // Farther off than the normals reach the filter may settle beside the truth.
-  constexpr double kWidePosition = 0.3, kWideAngle = 0.14;  // m, rad; standard deviations
   const Twist variance = filter_.estimate().covariance.diagonal();
-  return std::sqrt(variance.head<3>().maxCoeff()) > kWidePosition ||
-         std::sqrt(variance.tail<3>().maxCoeff()) > kWideAngle;
+  return std::sqrt(variance.head<3>().maxCoeff()) > kWideSpread.position ||
+         std::sqrt(variance.tail<3>().maxCoeff()) > kWideSpread.angle;
 }
 
 bool LiveLocalizer::isLeftToSearch(const LiveInput& input) const {
-  // Particles so far apart see the model from as many places, which takes as long as a search of
-  // all the building and seldom leads anywhere. Without odometry there is no other hope.
-  return state_ == LocalizerState::kLost && searching_ && !only_around_ && input.odometry &&
+  // Particles that are spread so wide see the model from many places. Weighing them takes as long
+  // as a search in the whole building and seldom finds the pose. Without odometry they are weighed
+  // all the same, because they are the only other hope.
+  return state() == LocalizerState::kLost && searching_ && !only_around_ && input.odometry &&
          isSpreadWide();
 }
 
@@ -62,8 +63,8 @@ void LiveLocalizer::setPose(const PoseGaussian& pose) {
 }
 
 void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
-  finder_.reset();        // refers to the map
-  mask_lifter_.forget();  // knows its lines by number
+  finder_.reset();        // it refers to the old map
+  mask_lifter_.forget();  // it knows the lines by number
   map_ = std::move(map);
   if (searching_) beginSearch(false);
 }
@@ -74,7 +75,7 @@ void LiveLocalizer::beginSearch(bool only_around) {
     finder_ = std::make_unique<BackgroundSearch>(*map_, seed);
   else if (!finder_)
     finder_ = std::make_unique<GlobalLocalizer>(*map_, seed);
-  // What is known while lost is worth a look around.
+  // When there is a pose, even a lost one, the search tries poses around it as well.
   if (initial_)
     finder_->begin(filter_.estimate(), only_around);
   else
@@ -86,10 +87,8 @@ void LiveLocalizer::beginSearch(bool only_around) {
 void LiveLocalizer::searchEverywhere() {
   initial_.reset();
   given_.reset();
-  state_ = LocalizerState::kSearching;
+  states_.forgetPose();
   odometry_of_update_.reset();
-  trusted_at_.reset();
-  trusted_ = false;
   beginSearch(false);
 }
 
@@ -104,26 +103,26 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   filter_.initialize(report.estimate);
   begin();
   if (report.stale) proof_.require(false);
-  fresh_ = false;  // it holds for this image
-  trusted_at_ = input.time;
+  fresh_ = false;  // the pose belongs to this moment
+  states_.excuse(input.time);
   result->relocalized = true;
-  // What the search has just explained, the filter can say how well it knows.
+  // The search has just explained these images. The filter uses them for its own covariance.
   useImages(views, result);
   if (weigh(input.time, *result)) judge(input.time, true, true);
 }
 
 bool LiveLocalizer::agreesWith(const SearchReport& report) const {
-  // Search and filter begin at different places and come by different ways; that both end at the
-  // same wrong place, which explains several views as nothing else does, is not to be expected.
+  // Search and filter begin at different poses and reach their results in different ways. It is not
+  // to be expected that both end at the same wrong pose, which explains several keyframes as no
+  // other hypothesis does.
   constexpr int kKeyframes = 3, kImages = 3;
-  constexpr double kSame = 0.1, kSameAngle = 3 * M_PI / 180;
   return report.convincing && report.keyframes >= kKeyframes && isInitialized() &&
          proof_.confirmations() >= kImages &&
-         isNear(report.estimate.mean, filter_.estimate().mean, kSame, kSameAngle);
+         isNear(report.estimate.mean, filter_.estimate().mean, kSamePose);
 }
 
 bool LiveLocalizer::weigh(double time, const LiveResult& result) {
-  // Judged by depth alone, an image lacks nothing.
+  // When only depth was used, the match ratio counts as 1.
   const double ratio = result.report.used_samples > 0 ? result.match_ratio : 1;
   return proof_.weigh({time, result.updated, isConfirmed(result), ratio,
                        static_cast<double>(result.report.visible_lines)},
@@ -137,16 +136,15 @@ void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> lo
 }
 
 bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
-  constexpr double kJump = 1;  // s; images that are late by less are out of order
   if (last_time_ && input.time <= *last_time_) {
-    if (input.time > *last_time_ - kJump) {
+    if (clockStep(*last_time_, input.time) == ClockStep::kLate) {
       result->late = true;
-      result->problem = "the image is older than the one before, not used";
+      result->problem = "the image is older than the one before and is not used";
       return false;
     }
-    // A recording that is played again, or a simulation that begins anew; or one that was only
-    // turned back a little, and then the robot is not where it began. Where the search found it in
-    // between is where it was then.
+    // A recording is played again, or a simulation begins again. Then the robot is at the given
+    // pose. But the recording may have been set back only a little, so the given pose needs proof.
+    // A pose that the search has found meanwhile is not used: it belongs to another time.
     if (given_) {
       setPose(PoseGaussian(*given_));
       proof_.require(true);
@@ -154,19 +152,22 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
       searchEverywhere();
     }
     result->restarted = true;
-    result->problem = given_ ? "the clock jumped back; began again at the initial pose"
-                             : "the clock jumped back; the search began again";
+    result->problem = given_
+                          ? "the clock jumped back; localization begins again at the initial pose"
+                          : "the clock jumped back; the search begins again";
   }
-  // A pose that was just given holds for the first image after it.
+  // A pose that was just given holds for the first moment after it and is not predicted.
   if (last_time_ && !result->restarted) {
     const double dt = input.time - *last_time_;
-    // Nobody knows what happened in a time without images. A camera may be slow, though, or send
-    // its images in bursts.
+    // In a long time without images anything may have happened. But a camera may also be slow, or
+    // send its images in bursts, so the time is compared with earlier ones.
     const bool is_gap = longest_interval_ > 0 && dt > kBlindly && dt > 3 * longest_interval_;
     longest_interval_ = std::max(dt, 0.9 * longest_interval_);
     if (is_gap && initial_ && !fresh_) {
       proof_.interrupt(!input.odometry || !last_odometry_);
-      if (trusted_) trusted_at_ = input.time;  // doubted, but no image has contradicted it
+      // The pose needs proof, but no image has contradicted it. So the time until `lost` starts
+      // now.
+      if (states_.trusted()) states_.excuse(input.time);
     }
     std::optional<Pose> increment;
     if (input.odometry && last_odometry_)
@@ -180,7 +181,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
         proof_.move(*increment, odometryNoise(p, *increment, dt));
       } else {
         filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap), dt);
-        // Where it flies on at its velocity the pose is expected, too.
+        // The constant-velocity model moves the expected pose, too.
         proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
       }
     }
@@ -189,14 +190,15 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
   last_time_ = input.time;
   last_odometry_ = input.odometry;
   if (initial_ && input.up && !filter_.correctTilt(*input.up))
-    result->problem = "the IMU's roll and pitch contradict the pose, not used";
+    result->problem = "roll and pitch of the IMU contradict the pose and are not used";
   return true;
 }
 
 bool LiveLocalizer::hasMoved(const LiveInput& input) const {
   const TrackingParameters& p = tracking_;
   if (p.update_min_d <= 0 && p.update_min_a_deg <= 0) return true;
-  if (!trusted_ || proof_.isNeeded()) return true;  // doubts are settled by images, at rest too
+  if (!states_.trusted() || proof_.isNeeded())
+    return true;  // a pose in doubt needs images for its proof, at rest too
   if (input.force_update || !input.odometry || !odometry_of_update_) return true;
   const Pose motion = odometry_of_update_->inverse() * *input.odometry;
   const double angle_deg = logSo3(motion.linear()).norm() * 180 / M_PI;
@@ -205,22 +207,23 @@ bool LiveLocalizer::hasMoved(const LiveInput& input) const {
 }
 
 cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::View& view) {
-  // A wrong pose would find reasons to lift a mask where there are none.
+  // Only while the pose is trusted: at a wrong pose other edges under the mask may fit by chance.
   const bool fits = view.mask.type() == CV_8UC1 && view.mask.size() == view.image.size() &&
                     view.image.cols == view.camera.width && view.image.rows == view.camera.height;
-  if (!tracking_.lift_mask || state_ != LocalizerState::kTracking || view.mask.empty() || !fits)
+  if (!tracking_.lift_mask || state() != LocalizerState::kTracking || view.mask.empty() || !fits)
     return view.mask;
   try {
     return mask_lifter_.lift(number, *map_, view.camera, view.image, view.mask,
                              filter_.estimate().mean * view.T_base_camera);
   } catch (const InputError&) {
-    return view.mask;  // who prepares the image says what is wrong with it
+    return view.mask;  // the preparation of the image reports this fault
   }
 }
 
 void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
-  // Images in a row: one that was not used, or did not confirm the pose, breaks it.
-  if (!used || state_ != LocalizerState::kTracking) return mask_lifter_.forget();
+  // Images are counted in a row. An image that was not used, or did not confirm the pose, ends the
+  // row.
+  if (!used || state() != LocalizerState::kTracking) return mask_lifter_.forget();
   std::vector<Pose> T_base_camera;
   for (const LiveInput::View& view : input.views) T_base_camera.push_back(view.T_base_camera);
   mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
@@ -291,8 +294,8 @@ std::vector<CameraView> LiveLocalizer::prepare(const LiveInput& input, LiveResul
 std::string LiveLocalizer::useImages(std::vector<CameraView> views, LiveResult* result) {
   std::string problem;
   const auto hasImage = [](const CameraView& v) { return v.image != nullptr; };
-  // While it converges, the mean may see less than some of the particles do.
-  if (std::any_of(views.begin(), views.end(), hasImage) && state_ != LocalizerState::kConverging &&
+  // Not checked while converging: some particles may see more of the model than their mean does.
+  if (std::any_of(views.begin(), views.end(), hasImage) && state() != LocalizerState::kConverging &&
       map_->evaluate(views, {filter_.estimate().mean}).front().sample_weight <
           tracking_.min_visible_samples) {
     problem = "too little of the model in view at the expected pose";
@@ -316,13 +319,13 @@ bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
                                r.evidence_per_line >= p.min_evidence;
   const bool by_edges = result.match_ratio >= p.min_match_ratio && enough_evidence;
   const bool by_depth = r.depth_agreement >= p.min_depth_agreement;
-  // What was used must agree, all of it.
+  // All data that were used must agree with the pose.
   const bool used_edges = r.visible_lines > 0, used_depth = r.depth_points > 0;
   return (used_edges || used_depth) && (by_edges || !used_edges) && (by_depth || !used_depth);
 }
 
 bool LiveLocalizer::showWhatIsNotInView(const std::vector<CameraView>& views) {
-  // About a line from border to border; a bare wall shows less.
+  // The limit is about a line from border to border. A bare wall shows less.
   const auto shows = [](const CameraView& view) {
     return view.image && ImageContours(view.image->edges).size() >=
                              static_cast<size_t>(view.image->edges.width());
@@ -331,21 +334,11 @@ bool LiveLocalizer::showWhatIsNotInView(const std::vector<CameraView>& views) {
 }
 
 void LiveLocalizer::judge(double time, bool trusted, bool used) {
-  const TrackingParameters& p = tracking_;
-  if (!trusted_at_ || trusted) trusted_at_ = time;
-  trusted_ = trusted;
-  if (trusted) {
-    const Twist variance = filter_.estimate().covariance.diagonal();
-    const double degree = M_PI / 180;
-    const bool narrow =
-        std::sqrt(variance.head<3>().maxCoeff()) < p.converged_std_position &&
-        std::sqrt(variance.tail<3>().maxCoeff()) < p.converged_std_angle_deg * degree;
-    state_ = narrow ? LocalizerState::kTracking : LocalizerState::kConverging;
-  } else if (time - *trusted_at_ >= p.lost_after) {
-    state_ = LocalizerState::kLost;
-  } else if (state_ == LocalizerState::kTracking || (!used && state_ != LocalizerState::kLost)) {
-    state_ = LocalizerState::kDegraded;
-  }
+  const Twist variance = filter_.estimate().covariance.diagonal();
+  const bool narrow =
+      std::sqrt(variance.head<3>().maxCoeff()) < tracking_.converged_std_position &&
+      std::sqrt(variance.tail<3>().maxCoeff()) < tracking_.converged_std_angle_deg * kDegree;
+  states_.judge({time, used, trusted, narrow}, tracking_.lost_after);
 }
 
 LiveResult LiveLocalizer::process(const LiveInput& input) {
@@ -361,14 +354,14 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
   } catch (const Error& e) {
     result.problem = e.what();
   }
-  result.state = state_;
+  result.state = state();
   result.estimate = filter_.estimate();
   return result;
 }
 
 void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
   if (isInitialized() && !searching_ && !hasMoved(input)) {
-    trusted_at_ = input.time;  // at rest there is nothing to lose
+    states_.excuse(input.time);
     return;
   }
   std::string problem;
@@ -387,11 +380,11 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     judge(input.time, trusted, result->updated);
     learnUnderMasks(input, result->updated);
     if (trusted) searching_ = false;
-    if (state_ == LocalizerState::kLost) {
+    if (state() == LocalizerState::kLost) {
       const bool contradicted =
           result->updated ? !confirmed : !searching_ && showWhatIsNotInView(views);
-      const bool astray = isSpreadWide() || input.time - *trusted_at_ > kBlindly;
-      // Odometry keeps a robot that it has followed from being anywhere.
+      const bool astray = isSpreadWide() || states_.timeWithoutTrust(input.time) > kBlindly;
+      // With odometry the robot cannot be anywhere, because odometry has followed it.
       if (contradicted || astray) proof_.require(contradicted && !input.odometry);
       const bool has_cause = contradicted || isSpreadWide() || result->updated;
       if (proof_.isNeeded() && has_cause && (!searching_ || only_around_) &&
@@ -401,7 +394,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
   }
   if (searching_ && !views.empty()) {
     search(input, views, result);
-    if (problem.empty() && !result->relocalized) problem = "looking for the pose";
+    if (problem.empty() && !result->relocalized) problem = "searching for the pose";
   }
   if (!problem.empty()) result->problem = problem;
 }

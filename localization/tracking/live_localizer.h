@@ -1,4 +1,4 @@
-/// Follows a robot from images as they come, and says how far its pose is to be trusted.
+/// Localizes a robot from moment to moment, and reports in a state how far its pose can be trusted.
 #pragma once
 
 #include <memory>
@@ -15,99 +15,116 @@
 
 namespace edge_mcl {
 
-/// What arrived for one moment.
+/// All sensor data of one moment.
 struct LiveInput {
+  /// An image of one camera.
   struct View {
     CameraModel camera;
     cv::Mat image;
-    cv::Mat mask;  ///< empty: none
-    Pose T_base_camera = Pose::Identity();
-    std::string origin;  ///< named in errors
+    cv::Mat mask;                           ///< empty: none
+    Pose T_base_camera = Pose::Identity();  ///< extrinsics
+    std::string origin;                     ///< named in errors
   };
+  /// A depth image of one sensor.
   struct Depth {
     DepthImage image;
     Pose T_base_camera = Pose::Identity();
-    uint32_t sensor = 0;  ///< see CameraView::depth_sensor
+    uint32_t sensor = 0;  ///< number of the sensor, see CameraView::depth_sensor
   };
   double time = 0;  ///< seconds
   std::vector<View> views;
   std::vector<Depth> depths;
-  std::optional<Pose> odometry;  ///< T_odom_base at that time
-  std::optional<UpReading> up;   ///< roll and pitch at that time, by an IMU
-  bool force_update = false;     ///< use the images even without motion
+  std::string time_text;         ///< stamp as the recording writes it, for output; may be empty
+  std::optional<Pose> odometry;  ///< T_odom_base at this moment; none: not known
+  std::optional<UpReading> up;   ///< roll and pitch at this moment, from an IMU; none: not known
+  bool force_update = false;     ///< the images are used even without motion
 };
 
-/// What was made of it.
+/// Result for one moment.
 struct LiveResult {
   LocalizerState state = LocalizerState::kUninitialized;
-  std::string problem;     ///< one line; empty: none
+  std::string problem;     ///< a fault, in one line; empty: no fault
   bool updated = false;    ///< the images were used
-  bool late = false;       ///< older than what was seen before; nothing was done
-  bool restarted = false;  ///< the clock jumped back: began again at the given pose, or to search
-  PoseGaussian estimate;   ///< T_map_base at the input's time
+  bool late = false;       ///< the moment is older than the last one and was not used
+  bool restarted = false;  ///< the clock jumped back; localization or search began again
+  PoseGaussian estimate;   ///< T_map_base at this moment
   UpdateReport report;
   StageTimes image_times;
-  double masked_share = 0;  ///< largest of the views
-  double match_ratio = 0;
-  std::vector<std::shared_ptr<const PreparedImage>> images;  ///< empty where not prepared
-  std::vector<size_t> image_numbers;  ///< which of the input's views each of `images` is
-  /// While the pose is looked for: where it may be, best first. Empty otherwise.
+  double masked_share = 0;  ///< masked share of the image; the largest of all cameras
+  double match_ratio = 0;   ///< share of the visible samples with an image edge in reach
+  std::vector<std::shared_ptr<const PreparedImage>> images;  ///< those that can be used
+  std::vector<size_t> image_numbers;  ///< number of the view of every image in `images`
+  /// During a search: places where the robot may be, best first. Empty otherwise.
   std::vector<PoseCluster> clusters;
-  int search_keyframes = 0;  ///< views that the search has used so far
-  double search_ms = 0;
-  bool relocalized = false;  ///< the search has found the pose; tracking begins there
+  int search_keyframes = 0;  ///< number of keyframes that the search has used so far
+  double search_ms = 0;      ///< computing time of the search for this keyframe, ms
+  bool relocalized = false;  ///< the search has found the pose, and the filter starts there
 };
 
+/// Particle filter, search and states together.
 class LiveLocalizer {
  public:
-  /// @param search_in_background images go on being used while the pose is looked for; then what
-  /// is found, and when, depends on the speed of the machine. Otherwise process() takes seconds for
-  /// some of them.
+  /// @param search_in_background true: the search has a thread of its own, and images are used
+  /// during a search. The result then depends on the speed of the machine. false: process() waits
+  /// for the search, which takes seconds for a keyframe.
   explicit LiveLocalizer(std::shared_ptr<const LocalizationMap> map,
                          bool search_in_background = false);
 
-  /// Begins here, T_map_base, with the next image. @throws InputError when it is not finite.
+  /// Starts at this pose (T_map_base) with the next moment. @throws InputError when it is not
+  /// finite
   void setPose(const PoseGaussian& pose);
-  /// Looks for the pose in the whole model from the next image on. Until it is found there is none.
+  /// Forgets the pose and searches for it in the whole model, from the next moment on. There is no
+  /// pose until the search finds it.
   void searchEverywhere();
-  /// Takes over particles, e.g. stored ones. @throws InputError
+  /// Starts with these particles (T_map_base), for example stored ones. @throws InputError when
+  /// they cannot be used
   void setParticles(std::vector<Pose> poses, std::vector<double> log_weights);
-  /// When images are used and poses trusted from now on (else as the map's parameters say).
+  /// Parameters for the use of images and the trust in poses. They start as those of the map.
   const TrackingParameters& tracking() const { return tracking_; }
   void setTracking(const TrackingParameters& tracking) { tracking_ = tracking; }
-  /// Goes on in another map.
+  /// Continues in another map. A search that runs begins again.
   void setMap(std::shared_ptr<const LocalizationMap> map);
 
-  /// Whether there is a pose, however good.
+  /// Whether there is a pose. It need not be trusted.
   bool isInitialized() const { return initial_.has_value(); }
   const LocalizationMap& map() const { return *map_; }
   const PoseFilter& filter() const { return filter_; }
-  LocalizerState state() const { return state_; }
+  LocalizerState state() const { return states_.state(); }
 
-  /// Predicts to the input's time and uses its images where they are fit for it. Bad input is
-  /// reported in the result, not thrown.
+  /// Predicts the particles to the time of the input and uses its images if they can be used. A
+  /// fault of the input is reported in the result and not thrown.
   LiveResult process(const LiveInput& input);
 
  private:
+  /// Resets states and proof for a new pose. Starts a search around it when it is uncertain.
   void begin();
+  /// Predicts to the time of the input. @return false when the input is late
   bool advanceTo(const LiveInput& input, LiveResult* result);
+  /// Whether odometry has moved far enough for the images to be used.
   bool hasMoved(const LiveInput& input) const;
   void processImages(const LiveInput& input, LiveResult* result);
   std::vector<CameraView> prepare(const LiveInput& input, LiveResult* result, std::string* problem);
+  /// Updates the filter. @return a fault; empty: none
   std::string useImages(std::vector<CameraView> views, LiveResult* result);
   void beginSearch(bool only_around);
+  /// Whether the long contours of an image have at least as many pixels as the image is wide.
   static bool showWhatIsNotInView(const std::vector<CameraView>& views);
   bool isSpreadWide() const;
+  /// Whether only the search uses the images: the pose is lost and the particles are spread wide.
   bool isLeftToSearch(const LiveInput& input) const;
   void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
+  /// Whether search and filter have found the same pose. The search is then believed before it has
+  /// converged.
   bool agreesWith(const SearchReport& report) const;
+  /// Adds a result to the proof of the pose. @return whether the pose is trusted
   bool weigh(double time, const LiveResult& result);
-  /// The view's mask, lifted where the model is seen under it.
+  /// The mask of a view, lifted along model lines that the image shows under it.
   cv::Mat maskOf(size_t number, const LiveInput::View& view);
   void learnUnderMasks(const LiveInput& input, bool used);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem);
   std::vector<CameraView> prepareDepths(const LiveInput& input, std::string* problem) const;
+  /// Whether all data that were used agree with the pose.
   bool isConfirmed(const LiveResult& result) const;
   void judge(double time, bool trusted, bool used);
 
@@ -117,19 +134,17 @@ class LiveLocalizer {
   PoseProof proof_;
   MaskLifter mask_lifter_;
   std::optional<PoseGaussian> initial_;
-  std::optional<PoseGaussian> given_;  // not found by the search: where a clock turned back begins
-  LocalizerState state_ = LocalizerState::kUninitialized;
-  bool fresh_ = false;  // no image since the pose was given
+  std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back
+  StateMachine states_;
+  bool fresh_ = false;  // no moment since the pose was given
   std::optional<double> last_time_;
-  double longest_interval_ = 0;  // s, between inputs of late; 0: not known
+  double longest_interval_ = 0;  // longest recent time between moments, s; 0: not known
   std::optional<Pose> last_odometry_;
-  std::optional<Pose> odometry_of_update_;  // where the images were last used
-  std::optional<double> trusted_at_;        // last time, or when it began
-  bool trusted_ = false;                    // after the image that was last looked at
+  std::optional<Pose> odometry_of_update_;  // odometry of the last moment whose images were used
   const bool search_in_background_;
-  std::unique_ptr<PoseFinder> finder_;  // made when first needed
+  std::unique_ptr<PoseFinder> finder_;  // made at the first search
   bool searching_ = false;
-  bool only_around_ = false;  // the search looks around the given pose only
+  bool only_around_ = false;  // the search runs around the given pose only
 };
 
 }  // namespace edge_mcl

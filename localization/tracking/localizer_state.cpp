@@ -20,4 +20,29 @@ const char* nameOf(LocalizerState state) {
   return "?";
 }
 
+void StateMachine::givePose() {
+  state_ = LocalizerState::kConverging;
+  trusted_ = false;
+  trusted_at_.reset();
+}
+
+void StateMachine::forgetPose() {
+  state_ = LocalizerState::kSearching;
+  trusted_ = false;
+  trusted_at_.reset();
+}
+
+void StateMachine::judge(const StateInput& input, double lost_after) {
+  if (state_ == LocalizerState::kUninitialized || state_ == LocalizerState::kSearching) return;
+  if (!trusted_at_ || input.trusted) trusted_at_ = input.time;
+  trusted_ = input.trusted;
+  if (input.trusted)
+    state_ = input.narrow ? LocalizerState::kTracking : LocalizerState::kConverging;
+  else if (timeWithoutTrust(input.time) >= lost_after)
+    state_ = LocalizerState::kLost;
+  else if (state_ == LocalizerState::kTracking ||
+           (state_ == LocalizerState::kConverging && !input.used))
+    state_ = LocalizerState::kDegraded;
+}
+
 }  // namespace edge_mcl

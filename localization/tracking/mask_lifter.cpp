@@ -7,14 +7,16 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr int kImages = 3;
-constexpr double kLeastLength = 24, kLeastShare = 0.8;  // pixels, of them
+constexpr int kImages = 3;  // images in a row that must show a line
+// Least length of a line under the mask, pixels, and least share of it with an image edge.
+constexpr double kLeastLength = 24, kLeastShare = 0.8;
 
 bool isSeen(const LineUnderMask& line) {
   return line.length >= kLeastLength && line.shown >= kLeastShare * line.length;
 }
 
-/// @param sigmas how far the pose may be off, in the likelihood's sigma.
+/// The model lines under a mask. @param sigmas largest distance of an image edge from its line, in
+/// units of likelihood.sigma.
 std::vector<LineUnderMask> linesUnder(const cv::Mat& mask, const EdgePixels& edges,
                                       const LocalizationMap& map, const CameraModel& camera,
                                       const Pose& T_map_camera, double sigmas) {
@@ -41,7 +43,8 @@ cv::Mat MaskLifter::lift(size_t view, const LocalizationMap& map, const CameraMo
   memory.last =
       Seen{camera, mask.clone(), EdgePixels(findEdges(image, cv::Mat(), p.image, "image"))};
   if (memory.confirmed.empty()) return mask;
-  // The mask grows again; four sigmas are what a score tells apart.
+  // The mask is dilated again later. The score of a sample depends on distances up to about four
+  // sigma, so the image must be free of the mask that far from the line.
   const double band = 4 * p.likelihood.sigma + p.image.mask_dilation;
   cv::Mat lifted = mask;
   for (const LineUnderMask& line :

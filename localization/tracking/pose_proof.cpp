@@ -4,13 +4,39 @@
 #include <cmath>
 
 #include "edge_mcl/localization/filter/motion_noise.h"
+#include "edge_mcl/localization/search/pose_tolerances.h"
 
 namespace edge_mcl {
 
 namespace {
 
-// In view, for a pose that is about known, and for one that may be anywhere.
+// The values below that name no other source were set on the simulated flights of docs/search.md,
+// so that no wrong pose passed and right poses passed as soon as possible.
+
+/// Lines in view that make a pose unlikely to fit by chance. A pose has six degrees of freedom, and
+/// a line fixes at least one. A pose that may be anywhere in the model has more places to fit.
 constexpr double kManyLines = 6, kManyLinesAnywhere = 15;
+
+/// Squared Mahalanobis distance from which a pose is elsewhere. Of six-dimensional Gaussian errors
+/// (chi-square, 6 degrees of freedom) less than one in a million is beyond kFar and one in twenty
+/// beyond kFarInDoubt, which counts after an image that did not fit and until the pose is proven.
+constexpr double kFar = 40, kFarInDoubt = 12.6;
+
+/// An image shows less than usual when its match ratio is below this share of the mean.
+constexpr double kMuchLess = 0.8;
+/// Weight of the newest image in that mean, which thus covers about the last five images.
+constexpr double kNewest = 0.2;
+
+/// Trusted poses are remembered at this spacing for this time, in seconds: a pose that slides along
+/// a line moves by more than its covariance within a second.
+constexpr double kSpacing = 0.25, kOldest = 1;
+
+/// Images in a row that contradict the pose before proof is needed. One image may be a bad one.
+constexpr int kDoubts = 2;
+/// Time and images that prove a pose where much of the model is in view and nearly all of it fits.
+/// At 30 Hz the time decides, with a slow camera the number.
+constexpr double kLongEnough = 1;  // s
+constexpr int kEnoughImages = 5;
 
 }  // namespace
 
@@ -33,35 +59,28 @@ void PoseProof::move(const Pose& step, const Twist& sigma) {
 }
 
 bool PoseProof::isFarFrom(const PoseGaussian& expected, const PoseGaussian& estimate) const {
-  // Poses are somewhat worse than their covariances say, odometry than its noise.
-  constexpr double kPosition = 0.05, kAngle = M_PI / 180;
-  // Of six dimensions less than one in a million is beyond the first; after an image that did not
-  // fit, and until the pose is proven, one in twenty is suspect.
-  constexpr double kFar = 40, kFarInDoubt = 12.6;
+  constexpr PoseTolerance kFloor = kProofFloor;
   Matrix6 covariance = expected.covariance;
-  covariance.diagonal().head<3>().array() += kPosition * kPosition;
-  covariance.diagonal().tail<3>().array() += kAngle * kAngle;
+  covariance.diagonal().head<3>().array() += kFloor.position * kFloor.position;
+  covariance.diagonal().tail<3>().array() += kFloor.angle * kFloor.angle;
   const Twist off = logSe3(expected.mean.inverse() * estimate.mean);
   return off.dot(covariance.ldlt().solve(off)) > (doubts_ > 0 || needed_ ? kFarInDoubt : kFar);
 }
 
 bool PoseProof::isElsewhere(const PoseGaussian& estimate) const {
   if (expected_ && isFarFrom(*expected_, estimate)) return true;
-  // A pose that slides along the only line in view goes no farther from one image to the next than
-  // its covariance allows.
+  // A pose that slides along the only line in view moves from one image to the next by less than
+  // its covariance allows. So it is compared with older poses as well.
   return std::any_of(anchors_.begin(), anchors_.end(),
                      [&](const Anchor& anchor) { return isFarFrom(anchor.pose, estimate); });
 }
 
 bool PoseProof::showsLess(const ImageVerdict& image) const {
-  constexpr double kMuchLess = 0.8;
   return image.lines > 0 && image.lines < kManyLines &&
          image.match_ratio < kMuchLess * usual_ratio_;
 }
 
 void PoseProof::trust(const ImageVerdict& image, const PoseGaussian& estimate) {
-  constexpr double kSpacing = 0.25, kOldest = 1;  // s
-  constexpr double kNewest = 0.2;                 // weight in the mean
   if (image.lines > 0) {
     if (usual_ratio_ == 0) usual_ratio_ = image.match_ratio;
     usual_ratio_ += kNewest * (image.match_ratio - usual_ratio_);
@@ -73,9 +92,6 @@ void PoseProof::trust(const ImageVerdict& image, const PoseGaussian& estimate) {
 }
 
 bool PoseProof::weigh(const ImageVerdict& image, const PoseGaussian& estimate) {
-  constexpr int kDoubts = 2;         // images that spoke against the pose
-  constexpr double kLongEnough = 1;  // s, where much of the model is in view and nearly all is seen
-  constexpr int kEnoughImages = 5;
   if (!image.confirmed) {
     doubts_ += image.used ? 1 : 0;
     needed_ = needed_ || doubts_ >= kDoubts;
@@ -87,7 +103,7 @@ bool PoseProof::weigh(const ImageVerdict& image, const PoseGaussian& estimate) {
     since_.reset();
     anchors_.clear();
     usual_ratio_ = 0;
-    expected_ = estimate;  // from here on it must stay there
+    expected_ = estimate;  // later poses are compared with this one
   }
   doubts_ = 0;
   if (!since_) {
@@ -99,8 +115,9 @@ bool PoseProof::weigh(const ImageVerdict& image, const PoseGaussian& estimate) {
   ratios_ += image.match_ratio;
   lines_ += image.lines;
   if (needed_) {
-    // At a place that looks alike less of the model is seen, and few lines fit in many places.
-    // Where that is so at the right place too, it takes longer; as in the search.
+    // At a wrong place that looks alike, less of the model fits, and few lines fit in many places.
+    // Where that is so at the right place too, the proof takes longer. The search has the same
+    // rule.
     double enough = kLongEnough;
     if (enough_ratio_ > 0)
       enough *= std::pow(std::max(1.0, enough_ratio_ / std::max(ratios_ / images_, 0.01)), 2);

@@ -1,4 +1,4 @@
-/// When images that fit a pose are proof of it.
+/// Decides when images that fit a pose prove it.
 #pragma once
 
 #include <deque>
@@ -9,44 +9,48 @@
 
 namespace edge_mcl {
 
-/// What an image said of the pose.
+/// Result of comparing one image with the model at the pose.
 struct ImageVerdict {
   double time = 0;         ///< s
-  bool used = false;       ///< it was compared with the model
-  bool confirmed = false;  ///< and it fits
+  bool used = false;       ///< the image was compared with the model
+  bool confirmed = false;  ///< the image was used and fits
   double match_ratio = 1;  ///< share of the visible samples with an image edge in reach
-  double lines = 0;        ///< of the model in view; 0: judged by depth alone
+  double lines = 0;        ///< model lines in view; 0: only depth was compared
 };
 
-/// One image that fits is enough while a pose is followed. It is chance after several images that
-/// did not fit, or when the pose that it fits is not where odometry has brought the trusted ones of
-/// the last second: somebody may have carried the robot, and two lines fit in many places. So it is
-/// when suddenly less is seen of the few lines in view.
+/// While a pose is followed, one image that fits is enough. In three cases it may fit by chance,
+/// since two lines fit in many places, and more images must fit before the pose is trusted:
+/// * Several images before it did not fit.
+/// * The pose is not where odometry has moved the trusted poses of the last second. Somebody may
+///   have carried the robot.
+/// * Few lines are in view, and suddenly fewer of their samples fit.
 class PoseProof {
  public:
   explicit PoseProof(const Parameters& params);
 
-  /// A new pose. @param needed one image that fits does not prove it.
+  /// Starts with a new pose. @param needed one image that fits does not prove it
   void begin(bool needed);
-  /// One image does not prove it any more. @param anywhere the robot may be anywhere in the model:
-  /// where few lines are in view, there are many places where they fit.
+  /// Asks for proof from now on. @param anywhere the robot may be anywhere in the model, so that
+  /// few lines fit in more places
   void require(bool anywhere) {
     needed_ = true;
     anywhere_ = anywhere_ || anywhere;
   }
-  /// A time without any image: what fitted before it says little of what fits now.
+  /// Asks for proof after a time without images. Images before it do not count.
   void interrupt(bool anywhere) {
     require(anywhere);
     since_.reset();
   }
   bool isNeeded() const { return needed_; }
-  /// Images in a row that fitted, up to the last one.
+  /// Number of images in a row that fitted, up to the last one.
   int confirmations() const { return since_ ? images_ : 0; }
 
-  /// The robot has moved, by odometry or as the filter expects; sigma: standard deviations.
+  /// Moves the remembered poses. @param step motion by odometry or as the filter expects, T_old_new
+  /// @param sigma its standard deviations, m and rad
   void move(const Pose& step, const Twist& sigma);
 
-  /// @param estimate after the image. @return whether it may be trusted now
+  /// Adds an image. @param estimate pose after the image, T_map_base. @return whether the pose is
+  /// trusted now
   bool weigh(const ImageVerdict& image, const PoseGaussian& estimate);
 
  private:
@@ -60,15 +64,15 @@ class PoseProof {
   bool showsLess(const ImageVerdict& image) const;
   void trust(const ImageVerdict& image, const PoseGaussian& estimate);
 
-  const double enough_ratio_;  // match ratio that needs no more time; 0: there are no images
+  const double enough_ratio_;  // a lower match ratio takes more time; 0: there are no images
   bool needed_ = false, anywhere_ = false;
-  std::optional<PoseGaussian> expected_;  // the last one that was trusted, moved by odometry
-  std::deque<Anchor> anchors_;            // those before it, oldest first
+  std::optional<PoseGaussian> expected_;  // the last trusted pose, moved by odometry
+  std::deque<Anchor> anchors_;            // earlier trusted poses, oldest first
   double usual_ratio_ = 0;                // mean match ratio of the last trusted images
-  std::optional<double> since_;           // without a gap all images fit
-  int doubts_ = 0;                        // images in a row that did not
-  int images_ = 0;                        // that did
-  double ratios_ = 0, lines_ = 0;         // sums over them
+  std::optional<double> since_;           // time from which all images fit, s
+  int doubts_ = 0;                        // images in a row that did not fit
+  int images_ = 0;                        // images in a row that fitted
+  double ratios_ = 0, lines_ = 0;         // sums over those
 };
 
 }  // namespace edge_mcl

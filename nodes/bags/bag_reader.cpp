@@ -14,6 +14,7 @@
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
+#include "edge_mcl/nodes/messages/sensor_mounting.h"
 
 namespace edge_mcl {
 
@@ -22,11 +23,12 @@ struct BagReader::Impl {
   BagTopics topics;
   rosbag::Bag bag;
   std::unique_ptr<tf2::BufferCore> transforms;
-  std::unique_ptr<tf2::BufferCore> odometry;  // of messages, where tf has none
+  std::unique_ptr<tf2::BufferCore> odometry;  // from messages; null: tf has it
   std::optional<CameraModel> camera, depth_camera;
   std::optional<PoseGaussian> initial_pose;
   Trajectory truth;
-  /// Images that go with those of the camera, read ahead as far as they may be late.
+  /// Images of another topic (masks or depth) that belong to the images of the camera. They are
+  /// read ahead, because they may be recorded later than their image.
   struct Companion {
     std::unique_ptr<rosbag::View> view;
     rosbag::View::iterator next;
@@ -36,11 +38,12 @@ struct BagReader::Impl {
       view = std::make_unique<rosbag::View>(from, rosbag::TopicQuery(topic));
       next = view->begin();
     }
-    /// The one nearest to a stamp, and within `tolerance`; older ones are forgotten.
+    /// The image nearest to a stamp, within `tolerance` seconds; null: there is none. Images that
+    /// are more than 0.1 s older are forgotten.
     sensor_msgs::ImageConstPtr take(const ros::Time& stamp, const ros::Time& received,
                                     double tolerance) {
       if (!view) return nullptr;
-      constexpr double kLatest = 2;  // s after its image
+      constexpr double kLatest = 2;  // s that it may be recorded after its image
       while ((waiting.empty() || waiting.rbegin()->first < stamp) && next != view->end() &&
              (*next).getTime() <= received + ros::Duration(kLatest)) {
         if (const auto message = (*next).instantiate<sensor_msgs::Image>())
@@ -66,7 +69,7 @@ struct BagReader::Impl {
 
   void readTransforms() {
     rosbag::View all(bag);
-    if (all.size() == 0) throw InputError(file + ": no messages in it");
+    if (all.size() == 0) throw InputError(file + ": the bag has no messages");
     transforms = std::make_unique<tf2::BufferCore>(
         ros::Duration((all.getEndTime() - all.getBeginTime()).toSec() + 60));
     rosbag::View view(bag, rosbag::TopicQuery(std::vector<std::string>{"/tf", "/tf_static", "tf"}));
@@ -78,7 +81,7 @@ struct BagReader::Impl {
     }
   }
 
-  /// Where tf does not say it, messages do.
+  /// Reads odometry from messages when tf has no odometry.
   void readOdometry() {
     const std::string &odom = topics.odom_frame, &base = topics.base_frame;
     if (odom.empty() || topics.odometry.empty() ||
@@ -93,7 +96,7 @@ struct BagReader::Impl {
         const Pose pose = fromMessage(message->pose.pose, topics.odometry);
         odometry->setTransform(toTransformStamped(pose, message->header.stamp, odom, base), "bag");
       } catch (const InputError&) {
-        // Left out, as the node does; an image at that time has no odometry.
+        // The message is left out, as in the node. An image at that time has no odometry.
       }
     }
   }
@@ -123,13 +126,7 @@ struct BagReader::Impl {
   }
 
   Pose mountingOf(const std_msgs::Header& header, const std::string& where) const {
-    const std::string &base = topics.base_frame, &frame = header.frame_id;
-    ros::Time at = header.stamp;  // a gimbal turns
-    std::string why;
-    if (!transforms->canTransform(base, frame, at)) at = ros::Time(0);
-    if (!transforms->canTransform(base, frame, at, &why))
-      throw InputError(where + ": where is the camera on the robot? " + why);
-    return fromMessage(transforms->lookupTransform(base, frame, at).transform, where);
+    return sensorMounting(*transforms, topics.base_frame, header, where);
   }
 
   LiveInput::View viewOf(const sensor_msgs::ImageConstPtr& message, const ros::Time& received) {
@@ -137,7 +134,7 @@ struct BagReader::Impl {
     LiveInput::View view;
     view.origin = where;
     view.camera = *camera;
-    // Copied: what the message holds is gone after this moment.
+    // Copied, because the message is deleted after this moment.
     view.image = fromMessage(message, where).clone();
     if (const auto m = masks.take(message->header.stamp, received, 0))
       view.mask = maskFromMessage(m, where + ": mask").clone();
@@ -198,7 +195,7 @@ bool BagReader::next(LiveInput* input, std::string* problem) {
   *input = {};
   problem->clear();
   if (m.image == m.images->end()) return false;
-  input->time = (*m.image).getTime().toSec();  // unless the image has a better one
+  input->time = (*m.image).getTime().toSec();  // used when the stamp cannot be read
   try {
     const auto message = (*m.image).instantiate<sensor_msgs::Image>();
     if (!message) throw InputError(m.file + ": " + m.topics.image + " is not a sensor_msgs/Image");

@@ -15,26 +15,28 @@ struct BagWriter::Impl {
   std::string file;
   RecordingMessages messages;
   std::unique_ptr<rosbag::Bag> bag;
-  std::optional<double> offset;  // seconds, from the recording's times to the bag's
+  std::optional<double> offset;  // added to the recording's times, s; none before the first
   bool begun = false;
   size_t count = 0;
 
   std::string active() const { return file + ".active"; }
 
   [[noreturn]] void fail(const std::exception& e) {
-    // Its destructor would write the index, fail again, and end the program: left to the system.
+    // The bag object is not destroyed: its destructor would write the index, fail again and end the
+    // program. The system closes the file.
     static_cast<void>(bag.release());
     throw InputError(active() + ": cannot be written (disk full?): " + e.what() + "; about " +
-                     std::to_string(count) + " images are in it (rosbag reindex)");
+                     std::to_string(count) +
+                     " images are in it, which `rosbag reindex` makes readable");
   }
 
   ros::Time timeOf(double seconds) {
     constexpr double kEarliest = 1;
     if (!offset) offset = seconds < kEarliest ? kEarliest : 0;
     if (!(seconds + *offset > 0))
-      throw InputError(file + ": time " + std::to_string(seconds) + " s is before the beginning");
+      throw InputError(file + ": time " + std::to_string(seconds) + " s is too early for a bag");
     ros::Time time;
-    // To the microsecond, as the text files of a sequence.
+    // Rounded to the microsecond, as in the text files of a sequence.
     const auto micro = static_cast<uint64_t>(std::llround((seconds + *offset) * 1e6));
     return time.fromNSec(micro * 1000);
   }
@@ -49,7 +51,7 @@ struct BagWriter::Impl {
     }
   }
 
-  /// Whoever subscribes later gets it, too.
+  /// Writes a latched message, which a player also sends to nodes that subscribe later.
   template <class Message>
   void putLatched(const std::string& topic, const ros::Time& time, const Message& message) {
     namespace traits = ros::message_traits;
@@ -92,7 +94,7 @@ BagWriter::BagWriter(const std::string& file, const RecordingSetup& setup)
 BagWriter::~BagWriter() {
   try {
     close();
-  } catch (const std::exception&) {  // reported where it was written
+  } catch (const std::exception&) {  // a destructor must not throw; close() reports faults
   }
 }
 

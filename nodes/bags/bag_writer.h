@@ -1,4 +1,4 @@
-/// Recordings as ROS bags.
+/// Writes recordings as ROS bags.
 #pragma once
 
 #include <memory>
@@ -8,12 +8,15 @@
 
 namespace edge_mcl {
 
-/// Topics: see nodes/messages/recording_messages.h; besides /tf (odometry), /tf_static (mounting)
-/// and /initialpose at the beginning. Written as FILE.active, renamed by close().
+/// Writes a bag with the topics of nodes/messages/recording_messages.h and with /tf (odometry). At
+/// the beginning it writes /tf_static (extrinsics) and /initialpose. The file is FILE.active until
+/// close() renames it.
 ///
-/// ROS knows no time before 1 s: a recording that begins earlier is shifted by one second.
+/// ROS has no time before 1 s. So a recording that begins before 1 s is shifted by 1 s.
 class BagWriter : public Recorder {
  public:
+  /// @param file must not exist yet.
+  /// @throws InputError when it exists or cannot be written
   BagWriter(const std::string& file, const RecordingSetup& setup);
   ~BagWriter() override;
   void write(const RecordedFrame& frame) override;

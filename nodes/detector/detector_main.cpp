@@ -1,4 +1,4 @@
-// edge_mcl_detector: masks of what is not in the map, as a node.
+// edge_mcl_detector: the node that makes masks of objects that are not in the map.
 #include "edge_mcl/nodes/common/node_main.h"
 #include "edge_mcl/nodes/detector/detector_node.h"
 

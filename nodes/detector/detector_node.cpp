@@ -16,14 +16,6 @@
 
 namespace edge_mcl {
 
-std::vector<std::string> DetectorNodeParameters::faults() const {
-  std::vector<std::string> list = DetectorParameters::faults();
-  if (!(max_rate >= 0) || !std::isfinite(max_rate))
-    list.emplace_back("parameter '~max_rate' must be zero or more");
-  if (niceness < 0 || niceness > 19) list.emplace_back("parameter '~niceness' must be 0 to 19");
-  return list;
-}
-
 DetectorNode::DetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : params_(readParameterStruct<DetectorNodeParameters>(private_nh)),
       detector_(
@@ -38,7 +30,8 @@ DetectorNode::DetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pri
   overlay_publisher_ = image_transport::ImageTransport(private_nh).advertise("overlay", 1);
   diagnostics_.setHardwareID("edge_mcl");
   diagnostics_.add("detection", this, &DetectorNode::diagnose);
-  ROS_INFO("%s: %.0f ms for an image", detector_.model().name.c_str(), detector_.times().total());
+  ROS_INFO("%s: the network takes %.0f ms for an image", detector_.model().name.c_str(),
+           detector_.times().total());
   using Callback = boost::function<void(const sensor_msgs::ImageConstPtr&)>;
   image_subscriber_ = transport_.subscribe(
       "image", 1, Callback([this](const sensor_msgs::ImageConstPtr& m) { receive(m); }));
@@ -69,7 +62,7 @@ void DetectorNode::work() {
     sensor_msgs::ImageConstPtr message;
     {
       std::unique_lock<std::mutex> lock(input_mutex_);
-      // Wakes up in between for the diagnostics' sake.
+      // The thread wakes up without an image, too, so that diagnostics are published.
       input_ready_.wait_for(lock, std::chrono::milliseconds(500),
                             [&] { return !running_ || newest_; });
       message.swap(newest_);
@@ -89,9 +82,9 @@ void DetectorNode::work() {
 
 void DetectorNode::handle(const sensor_msgs::ImageConstPtr& message) {
   cv::Mat image = fromMessage(message, "image");
-  if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 256);  // as the localizer does
+  if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 256);  // as in the localizer
   if (message->header.stamp.isZero())
-    throw InputError("image: it has no stamp; a mask could not be matched to it");
+    throw InputError("image: it has no stamp, so a mask could not be matched to it");
   const double time = message->header.stamp.toSec();
   const ros::WallTime begin = ros::WallTime::now();
   bool anew = false;
@@ -113,7 +106,8 @@ void DetectorNode::offer(const cv::Mat& image, double time, bool anew) {
   const bool wait = anew || params_.every_image;
   if (busy_ && !wait) return;
   if (wait) job_changed_.wait(lock, [&] { return !running_ || !busy_; });
-  // Stamps, not clocks: a bag may be played at any speed. A stamp that goes back starts anew.
+  // The rate is limited by stamps and not by a clock, because a bag may be played at any speed.
+  // When the stamps go back, the network runs at once.
   const double since = time - started_;
   const bool due =
       wait || params_.max_rate <= 0 || since < 0 || since >= 1 / params_.max_rate - 1e-3;
@@ -130,7 +124,7 @@ void DetectorNode::offer(const cv::Mat& image, double time, bool anew) {
 }
 
 void DetectorNode::runNetwork() {
-  // Niceness belongs to the thread on Linux.
+  // On Linux every thread has its own niceness.
   if (setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), params_.niceness) != 0)
     ROS_WARN("niceness %d cannot be set", params_.niceness);
   while (true) {
@@ -148,7 +142,8 @@ void DetectorNode::runNetwork() {
       const std::lock_guard<std::mutex> lock(tracker_mutex_);
       if (!tracker_.confirm(job.time, found))
         problem =
-            "the clock jumped back or the image's size changed: a network's result is not used";
+            "the clock jumped back or the size of the images changed, so a result of the network "
+            "is not used";
     } catch (const std::exception& e) {
       problem = e.what();
     }

@@ -1,4 +1,4 @@
-/// Masks of what is not in the map, for every image.
+/// Publishes a mask of the objects that are not in the map, for every image.
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -19,48 +19,57 @@
 
 namespace edge_mcl {
 
+/// Parameters of the detector node. The functions of parameter_struct.h work with them.
 struct DetectorNodeParameters : DetectorParameters {
-  std::string model;  ///< YAML description of a network; empty: the one that comes with the package
-  double max_rate = 0;       ///< runs of the network per second; 0: as fast as it can
-  bool every_image = false;  ///< the mask waits for the network's run on its own image
-  int niceness = 5;          ///< of the network's thread: 0 as all others, 19 only idle time
+  std::string model;
+  double max_rate = 0;
+  bool every_image = false;
+  int niceness = 5;
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("model", model);
-    v("max_rate", max_rate);
-    v("every_image", every_image);
-    v("niceness", niceness);
+    v("model", model, "", anyValue(),
+      "YAML file that describes a network; empty: the network of this package");
+    v("max_rate", max_rate, "Hz", notNegative(),
+      "largest rate at which the network runs, by the stamps of the images; 0 = no limit");
+    v("every_image", every_image, "", anyValue(),
+      "each mask waits until the network has run on its own image");
+    v("niceness", niceness, "", from(0, 19),
+      "niceness of the network's thread; 0 = as other threads, 19 = it uses only idle time");
     DetectorParameters::visit(v);
   }
-  std::vector<std::string> faults() const;
 };
 
-/// Subscribes to `image`; publishes `mask` (mono8, non-zero: ignore; stamp and frame of its image,
-/// all zero when nothing is found) and `detections` for every image it takes, the newest first;
-/// `~overlay` when somebody looks; diagnostics.
+/// The detector node. It subscribes to `image` and always takes the newest image. For every image
+/// that it takes it publishes `mask` and `detections`. A mask is mono8, with the stamp and frame of
+/// its image. A pixel that is not zero is ignored by the localizer; all pixels are zero when no
+/// object is found. `~overlay` is published when a node subscribes to it. Diagnostics are published
+/// as well.
 ///
-/// The network runs in a thread of its own, on the newest image whenever it is free. Masks do not
-/// wait for it, but the very first and the first after a jump back or a change of size, as nothing
-/// is known before. An image without a stamp, or one that comes up to a second late, gets no mask.
+/// The network runs in a thread of its own, on the newest image whenever the network is free. Masks
+/// do not wait for the network. Exceptions are the very first mask, and the first mask after the
+/// stamps jumped back or the size of the images changed, because no object is known then. An image
+/// gets no mask when it has no stamp, or when it is not newer than the last image and at most 1 s
+/// older.
 class DetectorNode {
  public:
-  /// @throws ParameterError; InputError when the network cannot be loaded.
+  /// @throws ParameterError for a wrong parameter; InputError when the network cannot be loaded
   DetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~DetectorNode();
   DetectorNode(const DetectorNode&) = delete;
   DetectorNode& operator=(const DetectorNode&) = delete;
 
  private:
-  struct Job {  // for the network
+  struct Job {  // an image for the network
     cv::Mat image;
     double time = 0;
   };
   void receive(const sensor_msgs::ImageConstPtr& message);
-  void work();        // tracks and publishes
-  void runNetwork();  // on the jobs
+  void work();        // a thread: tracks objects and publishes masks
+  void runNetwork();  // a thread: runs the network on the jobs
   void handle(const sensor_msgs::ImageConstPtr& message);
-  /// @param anew nothing is known before this image: wait for the network.
+  /// Gives the image to the network if the network is free and its next run is due. @param anew
+  /// true: no object is known before this image, so wait for the network.
   void offer(const cv::Mat& image, double time, bool anew);
   void publish(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -87,12 +96,12 @@ class DetectorNode {
   std::mutex tracker_mutex_;
   ObjectTracker tracker_;
 
-  std::mutex figures_mutex_;  // for diagnostics
+  std::mutex figures_mutex_;  // guards the figures for the diagnostics
   DetectorTimes network_times_;
   double tracking_ms_ = 0;
   size_t images_ = 0, objects_ = 0, images_before_ = 0, runs_shown_ = 0, runs_before_ = 0;
-  std::string problem_;          // with the newest image
-  std::string network_problem_;  // of its last run, shown first
+  std::string problem_;          // fault of the newest image
+  std::string network_problem_;  // fault of the network's last run, which is shown first
   ros::WallTime diagnosed_at_ = ros::WallTime::now();
 
   std::atomic<bool> running_{true};

@@ -5,7 +5,7 @@
 int main(int argc, char** argv) {
   return edge_mcl::runNode(argc, argv, "edge_mcl_localizer", [] {
     const edge_mcl::LocalizerNode node{ros::NodeHandle(), ros::NodeHandle("~")};
-    // Images, services and odometry must not wait for each other.
+    // Three threads, because images, services and odometry must not wait for each other.
     ros::MultiThreadedSpinner(3).spin();
   });
 }

@@ -1,11 +1,13 @@
 #include "edge_mcl/nodes/localizer/localizer_node.h"
 
 #include <ros/console.h>
+#include <chrono>
 
 #include <cmath>
 
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/localization/backend_choice.h"
+#include "edge_mcl/localization/map_factory.h"
+#include "edge_mcl/nodes/common/private_parameters.h"
 #include "edge_mcl/nodes/localizer/particle_file.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
 
@@ -14,8 +16,7 @@ namespace edge_mcl {
 namespace {
 
 std::shared_ptr<const LocalizationMap> loadMap(const std::string& file, const Parameters& method) {
-  auto map = std::make_shared<LocalizationMap>(file, method);
-  chooseBackend(map.get());
+  std::shared_ptr<const LocalizationMap> map = makeMap(file, method);
   for (const std::string& warning : map->mesh().report.warnings)
     ROS_WARN("%s: %s", file.c_str(), warning.c_str());
   return map;
@@ -36,16 +37,10 @@ void forEachAdjustable(LocalizerConfig* config, TrackingParameters* tracking, F 
   f(config->update_min_d, tracking->update_min_d);
 }
 
-/// What was received before a message that is so much older is of another time: a bag in a loop, a
-/// simulation begun anew.
-bool jumpedBack(const ros::Time& last, const ros::Time& now) {
-  return now + ros::Duration(1) < last;
-}
-
 }  // namespace
 
 LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
-    : nh_(nh), private_nh_(private_nh), transport_(nh), diagnostics_(nh, private_nh) {
+    : nh_(nh), private_nh_(private_nh), diagnostics_(nh, private_nh) {
   applyParameters(readPrivateParameters(private_nh_), &params_, &method_);
   const auto map = loadMap(params_.model_file, method_);
   localizer_ = std::make_unique<LiveLocalizer>(map, params_.search_in_background);
@@ -57,8 +52,9 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   if (!params_.has_initial_pose && params_.global_start) localizer_->searchEverywhere();
   if (!params_.has_initial_pose && !params_.global_start)
     ROS_INFO("waiting for an initial pose on initialpose, or for a call of global_localization");
-  if (params_.odometry == "topic") odometry_buffer_ = std::make_unique<tf2::BufferCore>();
-  tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_);
+  queue_ = std::make_unique<MomentQueue>(nh_, params_, method_.likelihood.cues);
+  reader_ =
+      std::make_unique<MomentReader>(nh_, params_, method_.likelihood.cues, queue_->cameraCount());
   diagnostics_.setHardwareID("edge_mcl");
   diagnostics_.add("localization", this, &LocalizerNode::diagnose);
   offerAdjustment();
@@ -68,12 +64,13 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
 
 LocalizerNode::~LocalizerNode() {
   running_ = false;
-  input_ready_.notify_all();
+  reader_->stop();
+  queue_->stop();
   if (worker_.joinable()) worker_.join();
 }
 
 void LocalizerNode::offerAdjustment() {
-  // In a namespace of its own: what the server leaves on the parameter server is not ours to read.
+  // The server leaves values of its own on the parameter server, so it has its own namespace.
   adjustment_ = std::make_unique<dynamic_reconfigure::Server<LocalizerConfig>>(
       adjustment_mutex_, ros::NodeHandle(private_nh_, "adjust"));
   LocalizerConfig now;
@@ -96,50 +93,9 @@ void LocalizerNode::offerAdjustment() {
   });
 }
 
-void LocalizerNode::subscribeToCamera(size_t i) {
-  using Callback = boost::function<void(const sensor_msgs::ImageConstPtr&)>;
-  Camera& camera = cameras_[i];
-  const std::string prefix = camera.name.empty() ? "" : camera.name + "/";
-  const auto keepInfo = [this](const std::string& topic, sensor_msgs::CameraInfoConstPtr* kept) {
-    return nh_.subscribe<sensor_msgs::CameraInfo>(
-        topic, 1,
-        boost::function<void(const sensor_msgs::CameraInfoConstPtr&)>(
-            [this, kept](const sensor_msgs::CameraInfoConstPtr& info) {
-              const std::lock_guard<std::mutex> lock(input_mutex_);
-              *kept = info;
-            }));
-  };
-  camera.info_subscriber = keepInfo(prefix + "camera_info", &camera.info);
-  if (method_.likelihood.cues != Cues::kDepth)
-    camera.image_subscriber = transport_.subscribe(
-        prefix + "image", 5,
-        Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveImage(i, m); }));
-  if (method_.likelihood.cues != Cues::kEdges) {
-    camera.depth_info_subscriber = keepInfo(prefix + "depth/camera_info", &camera.depth_info);
-    camera.depth_subscriber = transport_.subscribe(
-        prefix + "depth", 2,
-        Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveDepth(i, m); }));
-  }
-  if (params_.use_masks)
-    camera.mask_subscriber = transport_.subscribe(
-        prefix + "mask", 5, Callback([this, i](const sensor_msgs::ImageConstPtr& mask) {
-          const std::lock_guard<std::mutex> lock(input_mutex_);
-          cameras_[i].matcher.addMask(mask);
-          input_ready_.notify_all();
-        }));
-}
-
 void LocalizerNode::subscribe() {
-  for (const std::string& name : params_.cameraNames()) {
-    cameras_.emplace_back(params_.use_masks, params_.mask_timeout);
-    cameras_.back().name = name;
-    cameras_.back().origin = name.empty() ? "camera" : name;
-  }
-  for (size_t i = 0; i < cameras_.size(); ++i) subscribeToCamera(i);
-  // Carried over into the map at its own rate, whatever the localizer takes its odometry from.
+  // odom is published in the map at its own rate, even when the localizer takes odometry from tf.
   subscribers_.push_back(nh_.subscribe("odom", 50, &LocalizerNode::receiveOdometry, this));
-  if (params_.use_imu)
-    subscribers_.push_back(nh_.subscribe("imu", 100, &LocalizerNode::receiveImu, this));
   subscribers_.push_back(nh_.subscribe("initialpose", 2, &LocalizerNode::receiveInitialPose, this));
   services_.push_back(nh_.advertiseService<std_srvs::Empty::Request, std_srvs::Empty::Response>(
       "request_nomotion_update", [this](std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
@@ -174,53 +130,12 @@ void LocalizerNode::subscribe() {
       });
 }
 
-void LocalizerNode::receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image) {
-  const std::lock_guard<std::mutex> lock(input_mutex_);
-  ++images_received_;
-  cameras_[camera].matcher.addImage(image, ros::WallTime::now().toSec());
-  input_ready_.notify_all();
-}
-
-void LocalizerNode::receiveDepth(size_t camera, const sensor_msgs::ImageConstPtr& depth) {
-  constexpr size_t kKept = 64;  // images may wait for their masks
-  {
-    const std::lock_guard<std::mutex> lock(input_mutex_);
-    std::deque<sensor_msgs::ImageConstPtr>& depths = cameras_[camera].depths;
-    if (!depths.empty() && jumpedBack(depths.back()->header.stamp, depth->header.stamp))
-      depths.clear();
-    depths.push_back(depth);
-    if (depths.size() > kKept) depths.pop_front();
-  }
-  // Without images it is depth that sets the pace.
-  if (method_.likelihood.cues == Cues::kDepth)
-    receiveImage(camera, depth);
-  else
-    input_ready_.notify_all();
-}
-
-void LocalizerNode::receiveImu(const sensor_msgs::ImuConstPtr& message) {
-  constexpr size_t kKept = 400;
-  const std::lock_guard<std::mutex> lock(input_mutex_);
-  if (!imu_.empty() && jumpedBack(imu_.back()->header.stamp, message->header.stamp)) imu_.clear();
-  imu_.push_back(message);
-  if (imu_.size() > kKept) imu_.pop_front();
-}
-
 void LocalizerNode::receiveOdometry(const nav_msgs::OdometryConstPtr& odometry) {
-  if (odometry_buffer_) {
-    try {
-      const Pose pose = fromMessage(odometry->pose.pose, "odometry");
-      // The buffer takes nothing that is much older than its newest.
-      if (jumpedBack(odometry_at_, odometry->header.stamp)) odometry_buffer_->clear();
-      odometry_at_ = odometry->header.stamp;
-      odometry_buffer_->setTransform(
-          toTransformStamped(pose, odometry->header.stamp, params_.odom_frame_id,
-                             params_.base_frame_id),
-          "odom");
-    } catch (const InputError& e) {
-      ROS_WARN_THROTTLE(5, "%s, left out", e.what());
-      return;
-    }
+  try {
+    reader_->addOdometry(*odometry);
+  } catch (const InputError& e) {
+    ROS_WARN_THROTTLE(5, "%s, left out", e.what());
+    return;
   }
   publisher_->publishOdometry(*odometry);
 }
@@ -236,13 +151,15 @@ std::string LocalizerNode::setPose(const geometry_msgs::PoseWithCovarianceStampe
     PoseGaussian pose = fromMessage(message.pose, "initial pose");
     const std::string& frame = message.header.frame_id;
     if (!frame.empty() && frame != params_.global_frame_id) {
+      const tf2_ros::Buffer& transforms = reader_->transforms();
       std::string why;
-      if (!tf_.canTransform(params_.global_frame_id, frame, ros::Time(0), &why))
+      if (!transforms.canTransform(params_.global_frame_id, frame, ros::Time(0), &why))
         throw InputError("its frame '" + frame + "' is not known in " + params_.global_frame_id +
                          ": " + why);
       const Pose T_map_frame = fromMessage(
-          tf_.lookupTransform(params_.global_frame_id, frame, ros::Time(0)).transform, frame);
-      pose.mean = T_map_frame * pose.mean;  // the covariance is in the robot's own axes
+          transforms.lookupTransform(params_.global_frame_id, frame, ros::Time(0)).transform,
+          frame);
+      pose.mean = T_map_frame * pose.mean;  // the covariance stays: it is in the robot's axes
     }
     const std::lock_guard<std::mutex> lock(localizer_mutex_);
     localizer_->setPose(pose);
@@ -304,11 +221,56 @@ bool LocalizerNode::loadParticles(UseFile::Request& request, UseFile::Response& 
   return true;
 }
 
+void LocalizerNode::work() {
+  while (running_) {
+    const std::optional<Moment> moment = queue_->next();
+    if (!moment) continue;
+    try {
+      process(*moment);
+    } catch (const std::exception& e) {
+      ROS_ERROR_THROTTLE(5, "an image could not be used: %s", e.what());
+    }
+  }
+}
+
+void LocalizerNode::process(const Moment& moment) {
+  const auto begin = std::chrono::steady_clock::now();
+  MomentInput read = reader_->read(moment);
+  LiveInput& input = read.input;
+  ResultContext context;
+  context.stamp = moment.stamp;
+  context.odometry = input.odometry;
+  context.mask_age = read.mask_age;
+  const std::lock_guard<std::mutex> lock(localizer_mutex_);
+  input.force_update = force_update_;
+  force_update_ = false;
+  LiveResult result = localizer_->process(input);
+  for (const size_t number : result.image_numbers)
+    context.T_base_camera.push_back(input.views[number].T_base_camera);
+  const bool nothing_usable = input.views.empty() && input.depths.empty();
+  if (!read.problem.empty() && (result.problem.empty() || nothing_usable))
+    result.problem = read.problem;
+  if (result.updated) ++updates_;
+  context.images_received = moment.received;
+  context.images_dropped = moment.dropped;
+  context.updates = updates_;
+  context.update_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  if (result.restarted) ROS_WARN("%s", result.problem.c_str());
+  if (!result.problem.empty())
+    ROS_WARN_THROTTLE(5, "%s: %s", nameOf(result.state), result.problem.c_str());
+  publisher_->publish(result, *localizer_, context);
+  last_image_at_ = ros::WallTime::now();
+  last_update_ms_ = context.update_ms;
+  last_result_ = std::move(result);
+  last_result_.images.clear();  // diagnostics do not need them, and they are large
+}
+
 void LocalizerNode::savePose() {
   PoseGaussian pose;
   {
     const std::lock_guard<std::mutex> lock(localizer_mutex_);
-    if (localizer_->state() != LocalizerState::kTracking) return;  // what is kept is to be trusted
+    if (localizer_->state() != LocalizerState::kTracking) return;  // only a trusted pose is stored
     pose = localizer_->filter().estimate();
   }
   const Eigen::Vector3d& p = pose.mean.translation();

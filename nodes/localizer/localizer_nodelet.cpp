@@ -1,4 +1,4 @@
-// edge_mcl/Localizer: the localizer as a nodelet, which takes images without copying them.
+// edge_mcl/Localizer: the localizer as a nodelet, which receives images without a copy.
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -15,7 +15,7 @@ class LocalizerNodelet : public nodelet::Nodelet {
       node_ = std::make_unique<LocalizerNode>(getMTNodeHandle(), getMTPrivateNodeHandle());
     } catch (const std::exception& e) {
       NODELET_FATAL("%s", e.what());
-      throw;  // the manager reports that it could not be loaded
+      throw;  // the nodelet manager reports that the nodelet could not be loaded
     }
   }
   std::unique_ptr<LocalizerNode> node_;

@@ -3,27 +3,28 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edge_mcl/core/base/clock_step.h"
+
 namespace edge_mcl {
 
 namespace {
 
-/// More than this many images do not wait, whatever the timeout: memory is bounded.
+/// At most this many images wait for their masks, so that memory is bounded: 60 MB of 640x480
+/// colour images, two seconds at 30 Hz.
 constexpr size_t kMostWaiting = 64;
 
 }  // namespace
 
 void MaskMatcher::addImage(const sensor_msgs::ImageConstPtr& image, double now) {
-  // The clock jumped back: what waits belongs to another time.
-  constexpr double kJump = 1;  // s
-  if (!images_.empty() &&
-      (images_.back().image->header.stamp - image->header.stamp).toSec() > kJump) {
+  if (!images_.empty() && clockStep(images_.back().image->header.stamp.toSec(),
+                                    image->header.stamp.toSec()) == ClockStep::kJumpedBack) {
     dropped_ += images_.size();
     images_.clear();
     masks_.clear();
   }
   images_.push_back({image, now});
   const double stamp = image->header.stamp.toSec(), gap = stamp - newest_;
-  constexpr double kSlowing = 1.2;  // a lost image is no new rate
+  constexpr double kSlowing = 1.2;  // a lost image must not pass for a slower camera
   if (newest_ > 0 && gap > 0) period_ = period_ > 0 ? std::min(gap, kSlowing * period_) : gap;
   newest_ = stamp;
   if (images_.size() > kMostWaiting) {
@@ -34,7 +35,6 @@ void MaskMatcher::addImage(const sensor_msgs::ImageConstPtr& image, double now) 
 
 void MaskMatcher::addMask(const sensor_msgs::ImageConstPtr& mask) {
   masks_.push_back(mask);
-  last_mask_ = mask;
   if (masks_.size() > kMostWaiting) masks_.pop_front();
 }
 

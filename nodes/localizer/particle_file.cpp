@@ -41,14 +41,14 @@ ParticleSet readParticles(const std::string& file) {
     if (!(fields >> w >> x >> y >> z >> q.x() >> q.y() >> q.z() >> q.w()) ||
         !std::isfinite(w + x + y + z) || !(std::abs(q.norm() - 1) < 0.01))
       throw InputError(file + ": line " + std::to_string(number) +
-                       " is not a weight and a pose of unit quaternion");
+                       " is not a weight and a pose with a unit quaternion");
     Pose pose = Pose::Identity();
     pose.linear() = q.normalized().toRotationMatrix();
     pose.translation() = Eigen::Vector3d(x, y, z);
     particles.poses.push_back(pose);
     particles.log_weights.push_back(w);
   }
-  if (particles.poses.empty()) throw InputError(file + ": no particles in it");
+  if (particles.poses.empty()) throw InputError(file + ": the file has no particles");
   return particles;
 }
 

@@ -1,4 +1,4 @@
-/// Particles in a text file.
+/// Writes and reads particles as a text file.
 #pragma once
 
 #include <string>
@@ -8,15 +8,16 @@
 
 namespace edge_mcl {
 
+/// Particles with their weights.
 struct ParticleSet {
   std::vector<Pose> poses;  ///< T_map_base
   std::vector<double> log_weights;
 };
 
-/// Lines "log_weight tx ty tz qx qy qz qw". The file appears only when it is complete.
-/// @throws InputError
+/// Writes one line "log_weight tx ty tz qx qy qz qw" per particle. The file appears only when it is
+/// complete. @throws InputError when it cannot be written
 void writeParticles(const std::string& file, const ParticleSet& particles);
-/// @throws InputError naming the line at fault.
+/// Reads such a file. @throws InputError that names the line with the fault
 ParticleSet readParticles(const std::string& file);
 
 }  // namespace edge_mcl

@@ -60,7 +60,8 @@ void ResultPublisher::publishTransform(const PoseGaussian& estimate, const Resul
     anchor_ = Anchor{estimate, *context.odometry, context.stamp};
   }
   if (!params_.tf_broadcast) return;
-  // Dated ahead, as amcl does, so that the odometry's next readings find it.
+  // The stamp is later than the image, as in amcl, so that the next odometry messages find a
+  // transform.
   const ros::Time valid = context.stamp + ros::Duration(params_.transform_tolerance);
   broadcaster_.sendTransform(
       toTransformStamped(transform, valid, params_.global_frame_id,
@@ -168,7 +169,7 @@ void ResultPublisher::publishOdometry(const nav_msgs::Odometry& odometry) {
     in_map.pose = toPoseMessage(
         moved(anchor->estimate, step, odometryNoise(filter_, normalized(step), since)));
   } catch (const InputError&) {
-    return;  // the localizer reports it
+    return;  // the localizer reports this fault
   }
   odometry_.publish(in_map);
 }

@@ -1,4 +1,4 @@
-/// What the localizer node tells others.
+/// Publishes the results of the localizer node.
 #pragma once
 
 #include <edge_mcl/Status.h>
@@ -16,34 +16,37 @@
 
 namespace edge_mcl {
 
-/// What goes with a result.
+/// Data of the node that are published together with a result.
 struct ResultContext {
-  ros::Time stamp;               ///< of the image
-  std::optional<Pose> odometry;  ///< T_odom_base at that time
-  double mask_age = -1;          ///< s; negative: no mask
+  ros::Time stamp;               ///< stamp of the image
+  std::optional<Pose> odometry;  ///< T_odom_base at the time of the image
+  double mask_age = -1;          ///< age of the mask, s; negative: no mask
   uint32_t images_received = 0, images_dropped = 0, updates = 0;
   double update_ms = 0;
-  std::vector<Pose> T_base_camera;  ///< of each of the result's images
+  std::vector<Pose> T_base_camera;  ///< extrinsics of the cameras of the result's images
 };
 
+/// Publishes poses, particles, status, overlay, model and transform.
 class ResultPublisher {
  public:
   ResultPublisher(ros::NodeHandle nh, ros::NodeHandle private_nh, const NodeParameters& params,
                   const FilterParameters& filter);
 
+  /// Publishes a result. Without a pose, only status and hypotheses are published.
   void publish(const LiveResult& result, const LiveLocalizer& localizer,
                const ResultContext& context);
-  /// Changes what may change while it runs; not while publish() does.
+  /// Changes the parameters that may change while the node runs. Must not be called during
+  /// publish().
   void adjust(double transform_tolerance, int max_cloud_poses) {
     params_.transform_tolerance = transform_tolerance;
     params_.max_cloud_poses = max_cloud_poses;
   }
-  /// The model's lines, latched.
+  /// Publishes the lines of the model, latched.
   void publishModel(const LocalizationMap& map);
-  /// The pose between images: odometry carried over into the map, the less certain the longer ago
-  /// the image was; nothing while there is no pose.
+  /// Publishes the pose between images: odometry, carried over into the map. Its covariance grows
+  /// with the time since the image. Publishes nothing while there is no pose.
   void publishOdometry(const nav_msgs::Odometry& odometry);
-  /// There is no pose any more: odometry is not carried over until there is one again.
+  /// Forgets the pose. Odometry is not carried over until there is a new pose.
   void forgetPose();
 
  private:
@@ -54,20 +57,20 @@ class ResultPublisher {
   void publishOverlay(const LiveResult& result, const LiveLocalizer& localizer,
                       const ResultContext& context);
 
-  /// What odometry goes on from.
+  /// Pose at the last image, from which odometry goes on.
   struct Anchor {
     PoseGaussian estimate;  // T_map_base
-    Pose odometry;          // T_odom_base then
+    Pose odometry;          // T_odom_base at the same time
     ros::Time stamp;
   };
 
   NodeParameters params_;
-  FilterParameters filter_;  // how odometry errs
+  FilterParameters filter_;  // holds the noise of odometry
   ros::Publisher pose_, cloud_, hypotheses_, status_, model_, odometry_;
   image_transport::ImageTransport transport_;
   image_transport::Publisher overlay_;
   tf2_ros::TransformBroadcaster broadcaster_;
-  std::mutex anchor_mutex_;  // odometry comes in another thread than results
+  std::mutex anchor_mutex_;  // odometry arrives in another thread than results
   std::optional<Anchor> anchor_;
 };
 

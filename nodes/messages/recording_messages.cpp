@@ -23,7 +23,7 @@ sensor_msgs::ImagePtr RecordingMessages::image(const cv::Mat& color, const ros::
     case CV_16UC4:
       return toImage(color, "bgra16", stamp, frames_.camera);
     default:
-      throw InputError("an image of a kind that ROS has no name for");
+      throw InputError("the image has a type for which ROS has no encoding");
   }
 }
 

@@ -28,16 +28,17 @@ Pose poseOf(double x, double y, double z, const geometry_msgs::Quaternion& q,
             const std::string& origin) {
   const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
   if (!std::isfinite(x + y + z) || !rotation.coeffs().allFinite())
-    throw InputError(origin + ": not a finite pose");
+    throw InputError(origin + ": the pose is not finite");
   if (std::abs(rotation.norm() - 1) > 0.01)
-    throw InputError(origin + ": the quaternion has no unit length");
+    throw InputError(origin + ": the quaternion does not have unit length");
   Pose pose = Pose::Identity();
   pose.linear() = rotation.normalized().toRotationMatrix();
   pose.translation() = Eigen::Vector3d(x, y, z);
   return pose;
 }
 
-/// The image's pixels, seen through the message. @throws InputError when there are too few.
+/// Checks the size of an image. @throws InputError when the encoding is unknown or the message has
+/// too few bytes
 void checkSize(const sensor_msgs::Image& message, const std::string& origin) {
   size_t pixel_bytes = 0;
   try {

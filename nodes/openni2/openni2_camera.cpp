@@ -17,7 +17,7 @@ namespace {
 
 using openni::OpenNI;
 
-/// What OpenNI2 says of its last failure, in one line.
+/// The message of OpenNI2 about its last failure, in one line.
 std::string extendedError() {
   std::string text = OpenNI::getExtendedError();
   for (char& c : text)
@@ -27,7 +27,7 @@ std::string extendedError() {
   return text;
 }
 
-/// Starts the runtime once, and ends it with the program.
+/// Starts the runtime of OpenNI2 at the first call. It runs until the program ends.
 void startRuntime() {
   static std::mutex mutex;
   static bool running = false;
@@ -58,7 +58,7 @@ std::string listed(const std::vector<std::string>& items) {
   return text.empty() ? "none" : text;
 }
 
-/// The URI that a device is opened by.
+/// URI of the wanted device. @throws InputError when there is no such device
 std::string uriOf(const std::string& wanted) {
   if (isRecording(wanted)) {
     std::error_code ignored;
@@ -70,7 +70,8 @@ std::string uriOf(const std::string& wanted) {
   OpenNI::enumerateDevices(&found);
   if (wanted.empty()) {
     if (found.getSize() == 0)
-      throw InputError("no OpenNI2 device found (plugged in? permitted by udev's rules?)");
+      throw InputError(
+          "no OpenNI2 device found (is it plugged in, and do the udev rules permit it?)");
     return found[0].getUri();
   }
   std::vector<std::string> there;
@@ -149,7 +150,7 @@ struct OpenNi2Camera::Impl : public OpenNI::DeviceDisconnectedListener {
       if (stream->isPropertySupported(openni::STREAM_PROPERTY_MIRRORING))
         stream->setMirroringEnabled(mirror);
     } else if (!isUsable(stream->getVideoMode().getPixelFormat(), is_depth)) {
-      throw InputError(name + ": recorded in a format that is not known here");
+      throw InputError(name + ": the recording has a pixel format that is not supported");
     }
     if (stream->start() != openni::STATUS_OK)
       throw InputError(name + " cannot be started: " + extendedError());
@@ -164,7 +165,8 @@ struct OpenNi2Camera::Impl : public OpenNI::DeviceDisconnectedListener {
     if (recording) device.getPlaybackControl()->setRepeatEnabled(false);
     has_color = o.color && device.hasSensor(openni::SENSOR_COLOR);
     has_depth = o.depth && device.hasSensor(openni::SENSOR_DEPTH);
-    if (!has_color && !has_depth) throw InputError(uri + ": has none of the streams asked for");
+    if (!has_color && !has_depth)
+      throw InputError(uri + ": the device has none of the wanted streams");
     const openni::ImageRegistrationMode registration =
         o.registration && has_color ? openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR
                                     : openni::IMAGE_REGISTRATION_OFF;
@@ -195,10 +197,10 @@ OpenNi2Camera::OpenNi2Camera(const DepthCameraOptions& options) {
 }
 
 OpenNi2Camera::~OpenNi2Camera() {
-  // The driver for recordings looks through its list of streams in a thread of its own, without a
-  // lock, and after the end of the recording without a pause: a stream that is destroyed then takes
-  // it down now and then. With all streams stopped it looks only every ten milliseconds, for an
-  // instant.
+  // The driver for recordings reads its list of streams in a thread of its own, without a lock.
+  // After the end of the recording it does so without a pause, and crashes now and then when a
+  // stream is destroyed meanwhile. When all streams are stopped, it reads the list only every 10
+  // ms, for an instant. So all streams are stopped first, and destroyed some time later.
   if (!impl_ || !impl_->recording) return;
   for (openni::VideoStream* stream : {&impl_->color, &impl_->depth})
     if (stream->isValid()) stream->stop();
@@ -218,7 +220,8 @@ OpenNi2Camera::Event OpenNi2Camera::read(Frame* frame, int timeout_ms) {
   openni::VideoFrameRef grabbed;
   if (status != openni::STATUS_OK || ready < 0 ||
       streams[ready]->readFrame(&grabbed) != openni::STATUS_OK || !grabbed.isValid()) {
-    // A recording that is over just falls silent.
+    // OpenNI2 does not report the end of a recording. So a recording is over after this time
+    // without a frame.
     constexpr std::chrono::seconds kSilence(1);
     if (m.recording && std::chrono::steady_clock::now() - m.last_frame > kSilence)
       return Event::kEnd;
@@ -231,7 +234,7 @@ OpenNi2Camera::Event OpenNi2Camera::read(Frame* frame, int timeout_ms) {
   const int type = frame->is_depth                         ? CV_16UC1
                    : format == openni::PIXEL_FORMAT_RGB888 ? CV_8UC3
                                                            : CV_8UC1;
-  // Copied: the runtime uses its buffers again.
+  // Copied, because the runtime uses its buffers again.
   frame->pixels =
       cv::Mat(grabbed.getHeight(), grabbed.getWidth(), type, const_cast<void*>(grabbed.getData()),
               static_cast<size_t>(grabbed.getStrideInBytes()))

@@ -1,4 +1,4 @@
-// edge_mcl_openni2: a depth camera through OpenNI2, as a node.
+// edge_mcl_openni2: the node that publishes a depth camera through OpenNI2.
 #include "edge_mcl/nodes/common/node_main.h"
 #include "edge_mcl/nodes/openni2/openni2_node.h"
 

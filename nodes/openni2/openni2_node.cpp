@@ -15,15 +15,9 @@ namespace edge_mcl {
 
 std::vector<std::string> OpenNi2Parameters::faults() const {
   std::vector<std::string> list;
-  if (!color && !depth) list.emplace_back("neither ~color nor ~depth is wanted");
-  for (const int n : {color_width, color_height, color_fps, depth_width, depth_height, depth_fps})
-    if (n <= 0) {
-      list.emplace_back("widths, heights and rates must be positive");
-      break;
-    }
-  if (color_frame_id.empty() || depth_frame_id.empty()) list.emplace_back("frames must have names");
-  if (!(retry_period > 0) || !std::isfinite(retry_period))
-    list.emplace_back("~retry_period must be positive");
+  if (!color && !depth) list.emplace_back("~color and ~depth must not both be false");
+  if (color_frame_id.empty() || depth_frame_id.empty())
+    list.emplace_back("~color_frame_id and ~depth_frame_id must have names");
   return list;
 }
 
@@ -31,7 +25,8 @@ OpenNi2Node::OpenNi2Node(const ros::NodeHandle& nh, const ros::NodeHandle& priva
     : params_(readParameterStruct<OpenNi2Parameters>(private_nh)),
       transport_(nh),
       diagnostics_(nh, private_nh) {
-  // Faults of the user's files are told now, not when a device comes.
+  // Faults of the calibration files are reported at the start, not only when a device is plugged
+  // in.
   for (const std::string& file : {params_.color_calibration, params_.depth_calibration})
     if (!file.empty()) CameraModel::fromYamlFile(file);
   if (params_.color) color_.publisher = transport_.advertiseCamera("color/image_raw", 2);
@@ -46,15 +41,16 @@ void OpenNi2Node::prepareStreams() {
     if (calibration.empty()) return toCameraInfo(of_device, ros::Time(), frame);
     const CameraModel model = CameraModel::fromYamlFile(calibration);
     if (model.width != of_device.width || model.height != of_device.height)
-      throw InputError(calibration + ": made for " + std::to_string(model.width) + "x" +
-                       std::to_string(model.height) + " pixels, the stream has " +
+      throw InputError(calibration + ": the calibration is for " + std::to_string(model.width) +
+                       "x" + std::to_string(model.height) + " pixels, the stream has " +
                        std::to_string(of_device.width) + "x" + std::to_string(of_device.height));
     return toCameraInfo(model, ros::Time(), frame);
   };
   if (camera_->hasColor())
     color_.info = infoOf(params_.color_calibration, camera_->colorModel(), params_.color_frame_id);
   if (!camera_->hasDepth()) return;
-  // Registered depth has the colour camera's pixels: its frame, and its lens where the sizes agree.
+  // Registered depth has the pixels of the colour camera. So it has the frame of the colour camera,
+  // and also its calibration when both images have the same size.
   const bool as_color = camera_->isRegistered() && camera_->hasColor();
   const CameraModel model = camera_->depthModel();
   const bool same_size = as_color && model.width == static_cast<int>(color_.info.width) &&
@@ -79,10 +75,10 @@ bool OpenNi2Node::open() {
     return true;
   } catch (const InputError& e) {
     camera_.reset();
-    // A file does not come by waiting.
+    // A missing file does not appear by waiting.
     if (recording) throw;
     problem_ = e.what();
-    ROS_WARN_THROTTLE(10, "%s; waiting for it", e.what());
+    ROS_WARN_THROTTLE(10, "%s; waiting for a device", e.what());
     return false;
   }
 }
@@ -91,7 +87,8 @@ void OpenNi2Node::publish(const OpenNi2Camera::Frame& frame) {
   Stream& stream = frame.is_depth ? depth_ : color_;
   const double now = ros::Time::now().toSec();
   const ros::Time stamp(std::max(0.0, clock_.toHost(frame.device_time, now)));
-  // While the least delay is still being learnt, a frame may seem to be of before the last one.
+  // Until the smallest delay is known, the stamp of a frame may lie before the stamp of the last
+  // one. Such a frame is dropped.
   if (stamp <= stream.last_stamp && stream.last_stamp - stamp < ros::Duration(1)) return;
   stream.last_stamp = stamp;
   ++frames_;
@@ -129,7 +126,7 @@ void OpenNi2Node::run() {
         break;
       case OpenNi2Camera::Event::kLost:
         problem_ = description_ + ": unplugged";
-        ROS_WARN("%s; waiting for it", problem_.c_str());
+        ROS_WARN("%s; waiting for the device", problem_.c_str());
         camera_.reset();
         break;
       case OpenNi2Camera::Event::kEnd:

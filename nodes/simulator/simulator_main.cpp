@@ -1,4 +1,4 @@
-// edge_mcl_simulator: a flight through a model, as a node.
+// edge_mcl_simulator: the node that simulates a flight through a model.
 #include "edge_mcl/nodes/common/node_main.h"
 #include "edge_mcl/nodes/simulator/simulator_node.h"
 

@@ -18,20 +18,18 @@ struct SimulatorParameters {
   std::string scenario;
   bool live = false;
   double speed = 1;
-  uint64_t seed = 0;  // 0: the scenario's
+  uint64_t seed = 0;
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("scenario", scenario);
-    v("live", live);
-    v("speed", speed);
-    v("seed", seed);
+    v("scenario", scenario, "", anyValue(), "YAML file of the flight");
+    v("live", live, "", anyValue(), "cmd_vel flies the robot in place of the scenario's path");
+    v("speed", speed, "", notNegative(), "factor on real time; 0 = as fast as possible");
+    v("seed", seed, "", anyValue(), "seed of all noise; 0 = the seed of the scenario");
   }
   std::vector<std::string> faults() const {
-    std::vector<std::string> list;
-    if (scenario.empty()) list.emplace_back("~scenario is not set");
-    if (!(speed >= 0)) list.emplace_back("~speed must be zero or more");
-    return list;
+    if (scenario.empty()) return {"~scenario is not set"};
+    return {};
   }
 };
 
@@ -101,7 +99,7 @@ void SimulatorNode::pace(double time) {
     if (left.toSec() > 0)
       left.sleep();
     else if (simulated_clock_)
-      started_ -= left;  // the images took longer: the simulated clock waited for them
+      started_ -= left;  // the images took too long, so the schedule is shifted by this time
   }
   if (simulated_clock_) {
     rosgraph_msgs::Clock clock;
@@ -129,7 +127,8 @@ void SimulatorNode::advanceTo(double time) {
           ROS_WARN_THROTTLE(5, "cmd_vel is not used: %s", e.what());
         }
       }
-      if (!flight_->advance(imu_time_)) ROS_WARN_THROTTLE(5, "a wall is in the way");
+      if (!flight_->advance(imu_time_))
+        ROS_WARN_THROTTLE(5, "the robot stops, because a wall is in the way");
       turn = flight_->angularVelocity();
       acceleration = flight_->acceleration();
     } else {
@@ -140,7 +139,8 @@ void SimulatorNode::advanceTo(double time) {
       imu_publisher_.publish(toImu(imu_->read(imu_time_, attitudeAt(imu_time_), turn, acceleration),
                                    stampOf(imu_time_), messages_->frames().base));
   }
-  // Between two readings, so that the image is not stamped later than the clock.
+  // The image lies between two IMU readings. The clock is moved to it, so that the stamp of the
+  // image is not later than the clock.
   pace(time);
   if (live_) flight_->advance(time);
 }
@@ -179,10 +179,11 @@ void SimulatorNode::run() {
     if (time > endTime() + 1e-6) break;
     advanceTo(time);
     const double late = (ros::WallTime::now() - started_).toSec() * speed_ - (time - begin_);
-    // By the wall clock an image must not be older than its stamp says.
+    // With the wall clock an image must not come later than its stamp says. An image that is late
+    // by a period or more is left out.
     if (simulated_clock_ || speed_ == 0 || late < period) publishImage(time);
   }
-  ROS_INFO("%zu images", images_);
+  ROS_INFO("%zu images published", images_);
 }
 
 }  // namespace edge_mcl

@@ -1,4 +1,5 @@
-/// A simulated flight as a robot's topics: images, depth, masks, odometry, IMU, truth.
+/// Simulates a flight and publishes the topics of a robot: images, depth, masks, odometry, IMU and
+/// ground truth.
 #pragma once
 
 #include <geometry_msgs/Twist.h>
@@ -17,16 +18,18 @@
 
 namespace edge_mcl {
 
-/// Private parameters: `scenario` (YAML file), `live` (fly by cmd_vel instead of the scenario's
-/// path), `speed` (times real time; 0: as fast as it can), `seed`. Unknown ones are an error.
+/// The simulator node. Its private parameters are `scenario` (YAML file), `live` (`cmd_vel` flies
+/// the robot in place of the scenario's path), `speed` (factor on real time; 0: as fast as
+/// possible) and `seed`. An unknown parameter is an error.
 ///
-/// With use_sim_time it publishes /clock, and the clock waits for the images; without, stamps are
-/// of the wall clock and images that cannot be made in time are left out.
+/// With `use_sim_time` the node publishes `/clock`, and the clock waits for the images. Without
+/// `use_sim_time`, stamps come from the wall clock, and images that cannot be made in time are left
+/// out.
 class SimulatorNode {
  public:
-  /// @throws ParameterError, InputError
+  /// @throws ParameterError for a wrong parameter; InputError when the scenario cannot be used
   SimulatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
-  /// Flies until the path or ROS ends.
+  /// Flies until the path ends or ROS shuts down.
   void run();
 
  private:
@@ -53,7 +56,7 @@ class SimulatorNode {
   tf2_ros::TransformBroadcaster broadcaster_;
   tf2_ros::StaticTransformBroadcaster static_broadcaster_;
   ros::WallTime started_;
-  ros::Time epoch_;  ///< of time 0 of the flight
+  ros::Time epoch_;  ///< stamp of the beginning of the flight
   double begin_ = 0, imu_time_ = 0;
   size_t images_ = 0;
 };

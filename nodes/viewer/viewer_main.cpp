@@ -1,4 +1,4 @@
-// edge_mcl_viewer: what the localizer sees, live.
+// edge_mcl_viewer: the node that shows a running localizer.
 #include "edge_mcl/nodes/common/node_main.h"
 #include "edge_mcl/nodes/viewer/viewer_node.h"
 

@@ -7,20 +7,18 @@
 #include <cmath>
 #include <sstream>
 
+#include "edge_mcl/core/base/clock_step.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/base/parameter_text.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
+#include "edge_mcl/nodes/messages/sensor_mounting.h"
 
 namespace edge_mcl {
 
 std::vector<std::string> ViewerNodeParameters::faults() const {
   std::vector<std::string> list = ViewParameters::faults();
-  if (!(video_rate > 0 && video_rate <= 1000))
-    list.emplace_back("parameter '~video_rate' must be above 0, at most 1000");
-  if (moments < 0) list.emplace_back("parameter '~moments' must be zero or more");
-  if (!(wait >= 0 && wait <= 10)) list.emplace_back("parameter '~wait' must be 0 to 10");
   if (headless && video.empty() && pictures.empty())
-    list.emplace_back("parameter '~headless': say what to write, '~video' or '~pictures'");
+    list.emplace_back("parameter '~headless': '~video' or '~pictures' must be set as well");
   try {
     pictureTimes();
   } catch (const ParameterError& e) {
@@ -35,7 +33,8 @@ std::vector<double> ViewerNodeParameters::pictureTimes() const {
   for (std::string entry; std::getline(list, entry, ',');) {
     double time = 0;
     if (!parameter_text::fromText(entry, &time) || (!times.empty() && time < times.back()))
-      throw ParameterError("parameter '~pictures_at': increasing numbers expected");
+      throw ParameterError(
+          "parameter '~pictures_at': must be increasing numbers, separated by commas");
     times.push_back(time);
   }
   return times;
@@ -108,16 +107,14 @@ void LiveView::receiveStatus(const StatusConstPtr& status) {
   status_at_ = ros::WallTime::now();
   restartIfTimeWentBack(status->header.stamp);
   pending_.push_back({status, status_at_});
-  constexpr size_t kMost = 200;  // the viewer is far behind
+  constexpr size_t kMost = 200;  // more waiting moments mean that the viewer is far behind
   if (pending_.size() > kMost) pending_.pop_front();
 }
 
 void LiveView::restartIfTimeWentBack(const ros::Time& stamp) {
-  const ros::Duration jump(1);
   const ros::Time newest =
       pending_.empty() ? last_.value_or(stamp) : pending_.back().status->header.stamp;
-  if (stamp + jump >= newest) return;
-  // A bag that is played again, or a simulation that begins anew.
+  if (clockStep(newest.toSec(), stamp.toSec()) != ClockStep::kJumpedBack) return;
   history_.clear();
   pending_.clear();
   first_.reset();
@@ -134,7 +131,7 @@ void LiveView::restartIfTimeWentBack(const ros::Time& stamp) {
 
 bool LiveView::isComplete(const Status& status) const {
   const ros::Time& stamp = status.header.stamp;
-  // Only what has come lately is worth waiting for.
+  // The viewer waits only for topics on which a message came within the last 2 s.
   const auto comes = [&](const ros::WallTime& last) {
     return !last.isZero() && (ros::WallTime::now() - last).toSec() < 2;
   };
@@ -145,13 +142,8 @@ bool LiveView::isComplete(const Status& status) const {
 }
 
 std::optional<Pose> LiveView::mountingOf(const std_msgs::Header& sensor) const {
-  if (sensor.frame_id == params_.base_frame_id) return Pose::Identity();
-  const std::string& base = params_.base_frame_id;
   try {
-    // A mount may move; where it was then is not always known.
-    const bool known = tf_.canTransform(base, sensor.frame_id, sensor.stamp);
-    const ros::Time at = known ? sensor.stamp : ros::Time(0);
-    return fromMessage(tf_.lookupTransform(base, sensor.frame_id, at).transform, "tf");
+    return sensorMounting(tf_, params_.base_frame_id, sensor, "tf");
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   } catch (const InputError&) {
@@ -172,7 +164,7 @@ void LiveView::addCamera(const sensor_msgs::ImageConstPtr& image, ViewMoment* m)
   }
   m->camera = fromMessage(*info_, "camera_info");
   if (m->camera.width != m->image.cols || m->camera.height != m->image.rows)
-    throw InputError("camera_info is of another size than the image");
+    throw InputError("camera_info has another size than the image");
   const std::optional<Pose> mounting = mountingOf(image->header);
   if (!mounting)
     throw InputError("no tf from " + params_.base_frame_id + " to the camera, '" +
@@ -267,7 +259,7 @@ std::string LiveView::missing() const {
 }
 
 bool LiveView::takeLocked(ViewMoment* moment) {
-  // A viewer that is far behind leaves moments out; without their images they would be empty.
+  // A viewer that is far behind leaves out moments whose images are forgotten. They would be empty.
   while (!pending_.empty() && images_.hasForgotten(pending_.front().status->header.stamp))
     pending_.pop_front();
   if (pending_.empty()) return false;
@@ -285,7 +277,7 @@ bool LiveView::takeLocked(ViewMoment* moment) {
 }
 
 bool LiveView::nothingNew(ViewMoment* moment) {
-  // Once a second something is said even so.
+  // Without a new moment, missing topics are reported once a second.
   if (!pending_.empty() || (ros::WallTime::now() - said_missing_at_).toSec() < 1) return false;
   const std::string not_there = missing();
   if (not_there.empty()) return false;
@@ -326,7 +318,7 @@ bool LiveView::next(ViewMoment* moment) {
 bool LiveView::poll(ViewMoment* moment, HistoryView* history, double strip_seconds) {
   const std::lock_guard<std::mutex> lock(mutex_);
   bool news = false;
-  // A window shows the newest; the others go into the history.
+  // All moments go into the history. The window shows the newest one.
   while (takeLocked(moment)) {
     history_.add(*moment);
     news = true;

@@ -1,4 +1,4 @@
-/// A live ROS system as the viewer shows it.
+/// Gives the viewer the moments of a running ROS system.
 #pragma once
 
 #include <edge_mcl/DetectedObjects.h>
@@ -24,71 +24,84 @@
 
 namespace edge_mcl {
 
+/// Parameters of the viewer node. The functions of parameter_struct.h work with them.
 struct ViewerNodeParameters : ViewParameters {
-  std::string localizer = "edge_mcl_localizer";  ///< node whose model and parameters are used
-  std::string model;  ///< empty: the localizer's; none there: only what topics say is shown
-  std::string global_frame_id;  ///< of the model; empty: the localizer's
-  std::string base_frame_id;    ///< likewise
-  bool headless = false;        ///< no window: a video or pictures
-  std::string video;            ///< .mp4 or .avi; empty: none
-  double video_rate = 10;       ///< pictures per second of the video
-  std::string pictures;         ///< BEGIN-1.png, ...; empty: none
-  std::string pictures_at;  ///< s since the first moment, comma separated; empty: the last moment
-  int moments = 0;          ///< headless: ends after so many; 0: with ROS
-  double wait = 0.3;        ///< s that a moment waits for what belongs to it
+  std::string localizer = "edge_mcl_localizer";
+  std::string model;
+  std::string global_frame_id;
+  std::string base_frame_id;
+  bool headless = false;
+  std::string video;
+  double video_rate = 10;
+  std::string pictures;
+  std::string pictures_at;
+  int moments = 0;
+  double wait = 0.3;
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("localizer", localizer);
-    v("model", model);
-    v("global_frame_id", global_frame_id);
-    v("base_frame_id", base_frame_id);
-    v("headless", headless);
-    v("video", video);
-    v("video_rate", video_rate);
-    v("pictures", pictures);
-    v("pictures_at", pictures_at);
-    v("moments", moments);
-    v("wait", wait);
+    v("localizer", localizer, "", anyValue(), "node whose model and parameters are used");
+    v("model", model, "", anyValue(),
+      "model file; empty: the localizer's; without one only topics are shown");
+    v("global_frame_id", global_frame_id, "", anyValue(),
+      "frame of the model; empty: the localizer's");
+    v("base_frame_id", base_frame_id, "", anyValue(), "frame of the robot; empty: the localizer's");
+    v("headless", headless, "", anyValue(), "no window: only video and pictures are written");
+    v("video", video, "", anyValue(), "video file, .mp4 or .avi; empty: none");
+    v("video_rate", video_rate, "Hz", above(0, 1000), "pictures per second of the video");
+    v("pictures", pictures, "", anyValue(),
+      "begin of the names of pictures, NAME-1.png and so on; empty: none");
+    v("pictures_at", pictures_at, "s", anyValue(),
+      "times of the pictures since the first moment, separated by commas; empty: the last moment");
+    v("moments", moments, "", notNegative(),
+      "without a window: number of moments after which the node ends; 0 = it ends with ROS");
+    v("wait", wait, "s", from(0, 10), "time for which the parts of a moment are awaited");
     ViewParameters::visit(v);
   }
+  /// Faults that the ranges do not cover, one text each.
   std::vector<std::string> faults() const;
-  /// Of `pictures_at`. @throws ParameterError
+  /// The times in `pictures_at`, s since the first moment. @throws ParameterError when they do not
+  /// increase
   std::vector<double> pictureTimes() const;
 };
 
-/// Subscribes to `image`, `camera_info`, `mask`, `detections`, `depth`, `depth/camera_info`,
-/// `pose`, `particlecloud`, `hypotheses`, `status` (of the localizer), `ground_truth` and tf;
-/// publishes `initialpose`. A moment is an image that the localizer has given a status for, with
-/// all of the same stamp; what does not come is said, and done without.
+/// Source of moments from ROS topics. It subscribes to `image`, `camera_info`, `mask`,
+/// `detections`, `depth`, `depth/camera_info`, `pose`, `particlecloud`, `hypotheses`, `status` (of
+/// the localizer), `ground_truth` and tf. It publishes `initialpose`.
+///
+/// An image becomes a moment when the localizer has published a status for it. All messages of the
+/// same stamp belong to the moment. When a message does not arrive within the parameter `wait`, the
+/// moment is shown without it. `ViewMoment::problem` names the topics on which nothing arrives.
 class LiveView : public ViewSource {
  public:
   LiveView(const ros::NodeHandle& nh, const ViewerNodeParameters& params);
 
   bool poll(ViewMoment* moment, HistoryView* history, double strip_seconds) override;
   void setPose(const PoseGaussian& pose) override;
-  /// The next moment in order, without a history; for recorders. @return false: none yet.
+  /// Gives the next moment in order, without a history, for recorders. @return false when there is
+  /// none yet
   bool next(ViewMoment* moment);
-  /// Topics on which nothing comes, though it should; empty: none.
+  /// Text that names the topics on which nothing arrives; empty: messages arrive on all of them.
   std::string whatIsMissing();
-  /// Whether the localizer has said anything yet.
+  /// Whether the localizer has published a status.
   bool hasStatus();
-  /// To be called by the thread that takes the moments.
+  /// Sets the frames of the model and of the robot. To be called by the thread that takes the
+  /// moments.
   void setFrames(const std::string& global, const std::string& base);
 
  private:
-  /// Messages of one topic by stamp; the oldest are forgotten.
+  /// The newest messages of one topic, by stamp.
   template <class Message>
   struct Kept {
     std::map<ros::Time, boost::shared_ptr<const Message>> by_stamp;
-    ros::WallTime last;
+    ros::WallTime last;  // arrival of the newest message
     static constexpr size_t kMost = 64;
     void add(const boost::shared_ptr<const Message>& message) {
       by_stamp[message->header.stamp] = message;
       if (by_stamp.size() > kMost) by_stamp.erase(by_stamp.begin());
       last = ros::WallTime::now();
     }
-    /// The nearest within a tolerance, s; null: none.
+    /// The message nearest to a stamp, within a tolerance (s); null: there is none.
     boost::shared_ptr<const Message> at(const ros::Time& stamp, double tolerance) const;
     bool has(const ros::Time& stamp) const { return by_stamp.count(stamp) > 0; }
     /// Whether a message of this stamp may have been forgotten.
@@ -96,6 +109,7 @@ class LiveView : public ViewSource {
       return by_stamp.size() == kMost && stamp < by_stamp.begin()->first;
     }
   };
+  /// A status whose moment is not complete yet.
   struct Pending {
     StatusConstPtr status;
     ros::WallTime since;
@@ -121,7 +135,7 @@ class LiveView : public ViewSource {
   image_transport::ImageTransport transport_;
   ros::Publisher initial_pose_;
 
-  std::mutex mutex_;  // guards what callbacks write
+  std::mutex mutex_;  // guards all members that callbacks write
   Kept<sensor_msgs::Image> images_, masks_, depths_;
   Kept<DetectedObjects> detections_;
   Kept<geometry_msgs::PoseWithCovarianceStamped> poses_;
@@ -133,13 +147,13 @@ class LiveView : public ViewSource {
   std::optional<ros::Time> first_, last_;
   ViewMoment last_moment_;
   ViewHistory history_;
-  std::string problem_;  // of the last broken message
+  std::string problem_;  // fault of the last broken message
   std::vector<ros::Subscriber> subscribers_;
   std::vector<image_transport::Subscriber> image_subscribers_;
 };
 
-/// Runs until ROS ends, the window is closed, or `moments` are recorded. @throws ParameterError,
-/// InputError, Error
+/// Runs the viewer node until ROS shuts down, the window is closed, or `moments` moments are
+/// recorded. @throws ParameterError, InputError, Error
 void runViewer(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
 
 }  // namespace edge_mcl

@@ -1,4 +1,4 @@
-// The viewer node's main loops, with and without a window.
+// The main loops of the viewer node, with and without a window.
 #include <ros/console.h>
 #include <ros/spinner.h>
 
@@ -13,14 +13,16 @@ namespace edge_mcl {
 
 namespace {
 
-/// What the viewer is not told it takes from the localizer: how the model is read must be the same.
+/// Takes model and frames from the localizer's parameters where the viewer has none of its own.
+/// @return parameters of the localizer's method, because the viewer must read the model in the same
+/// way
 Parameters adoptFromLocalizer(const ros::NodeHandle& nh, ViewerNodeParameters* params) {
   NodeParameters localizer;
   Parameters method;
   try {
     applyParameters(readPrivateParameters(ros::NodeHandle(nh, params->localizer)), &localizer,
                     &method);
-    // Of surfaces only what is seen is needed here.
+    // The viewer only draws the surfaces, so it needs no distance field for depth images.
     method.likelihood.cues = Cues::kEdges;
   } catch (const ParameterError& e) {
     ROS_WARN("parameters of %s: %s", params->localizer.c_str(), e.what());
@@ -32,16 +34,17 @@ Parameters adoptFromLocalizer(const ros::NodeHandle& nh, ViewerNodeParameters* p
   return method;
 }
 
-/// The model that is shown.
+/// The model that the viewer shows.
 class ShownModel {
  public:
-  /// @param params completed by the localizer's.
+  /// @param params empty values are filled from the localizer's parameters.
   ShownModel(const ros::NodeHandle& nh, ViewerNodeParameters* params) : nh_(nh), given_(*params) {
     load(params);
   }
 
   const LocalizationMap* map() const { return map_.get(); }
-  /// The model of a localizer that began after the viewer; null: it is known, or not there yet.
+  /// Loads the model at the first status, when the localizer began after the viewer. @return the
+  /// model when this call has loaded it, otherwise null
   const LocalizationMap* comesLate(LiveView* view) {
     if (map_ || asked_again_ || !view->hasStatus()) return nullptr;
     asked_again_ = true;
@@ -52,7 +55,8 @@ class ShownModel {
       ROS_WARN("%s", e.what());
     }
     view->setFrames(params.global_frame_id, params.base_frame_id);
-    if (map_) ROS_INFO("the model of %s: %s", params.localizer.c_str(), params.model.c_str());
+    if (map_)
+      ROS_INFO("showing the model of %s: %s", params.localizer.c_str(), params.model.c_str());
     return map_.get();
   }
 
@@ -80,7 +84,7 @@ void record(const ViewerNodeParameters& params, ShownModel* model, LiveView* vie
   ViewMoment moment;
   while (ros::ok() && (params.moments == 0 || moments < params.moments)) {
     if (!view->next(&moment)) {
-      // By the wall's clock: where nothing comes the simulated one may stand, too.
+      // By the wall clock, because the simulated clock may stand still when nothing arrives.
       const std::string missing = view->whatIsMissing();
       if (!missing.empty() && (ros::WallTime::now() - said_at).toSec() > 5) {
         said_at = ros::WallTime::now();
@@ -95,7 +99,7 @@ void record(const ViewerNodeParameters& params, ShownModel* model, LiveView* vie
     ++moments;
   }
   recorder.close();
-  // ROS may have ended, and its console with it.
+  // Not by the console of ROS, because ROS may be shut down already.
   std::printf("%s\n", recorder.summary().c_str());
   for (const std::string& file : recorder.written()) std::printf("%s\n", file.c_str());
 }

@@ -1,0 +1,199 @@
+#include "edge_mcl/nodes/localizer/moment_reader.h"
+
+#include <cmath>
+
+#include "edge_mcl/core/base/clock_step.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/camera/mask_motion.h"
+#include "edge_mcl/nodes/messages/ros_conversions.h"
+#include "edge_mcl/nodes/messages/sensor_mounting.h"
+
+namespace edge_mcl {
+
+MomentReader::MomentReader(const ros::NodeHandle& nh, const NodeParameters& params, Cues cues,
+                           size_t camera_count)
+    : params_(params), cues_(cues), tf_listener_(tf_), last_masks_(camera_count) {
+  if (params_.odometry == "topic") odometry_buffer_ = std::make_unique<tf2::BufferCore>();
+  if (params_.use_imu) {
+    ros::NodeHandle handle(nh);
+    imu_subscriber_ = handle.subscribe("imu", 100, &MomentReader::receiveImu, this);
+  }
+}
+
+void MomentReader::receiveImu(const sensor_msgs::ImuConstPtr& message) {
+  constexpr size_t kKept = 400;  // one second of a fast IMU; images may wait that long
+  const std::lock_guard<std::mutex> lock(imu_mutex_);
+  if (!imu_.empty() && clockStep(imu_.back()->header.stamp.toSec(),
+                                 message->header.stamp.toSec()) == ClockStep::kJumpedBack)
+    imu_.clear();
+  imu_.push_back(message);
+  if (imu_.size() > kKept) imu_.pop_front();
+}
+
+void MomentReader::addOdometry(const nav_msgs::Odometry& odometry) {
+  if (!odometry_buffer_) return;
+  const Pose pose = fromMessage(odometry.pose.pose, "odometry");
+  const ros::Time& stamp = odometry.header.stamp;
+  // The buffer refuses data that are much older than its newest.
+  if (clockStep(odometry_at_.toSec(), stamp.toSec()) == ClockStep::kJumpedBack)
+    odometry_buffer_->clear();
+  odometry_at_ = stamp;
+  odometry_buffer_->setTransform(
+      toTransformStamped(pose, stamp, params_.odom_frame_id, params_.base_frame_id), "odom");
+}
+
+std::optional<Pose> MomentReader::odometryAt(const ros::Time& stamp, std::string* problem) {
+  if (params_.odometry == "none") return std::nullopt;
+  const tf2::BufferCore& buffer = odometry_buffer_ ? *odometry_buffer_ : tf_;
+  const std::string &odom = params_.odom_frame_id, &base = params_.base_frame_id;
+  const auto newest = [&] {
+    return buffer.canTransform(odom, base, ros::Time(0))
+               ? buffer.lookupTransform(odom, base, ros::Time(0)).header.stamp
+               : ros::Time(0);
+  };
+  // The wall clock counts, since a simulated clock may stand still.
+  const auto until = ros::WallTime::now() + ros::WallDuration(params_.transform_timeout);
+  std::string why;
+  const auto look = [&] {
+    Look<Pose> now;
+    // The newest is read first: data that arrive in between are then seen by one of the two.
+    const ros::Time at = newest();
+    now.newest = at.toSec();
+    now.may_come = at <= stamp;
+    if (buffer.canTransform(odom, base, stamp, &why))
+      now.found = fromMessage(buffer.lookupTransform(odom, base, stamp).transform, "odometry");
+    return now;
+  };
+  try {
+    const std::optional<Pose> found = awaitData<Pose>(
+        &odometry_patience_, look, [&] { return ros::WallTime::now() < until; },
+        [] { ros::WallDuration(0.002).sleep(); }, [&] { return running_.load(); });
+    if (found) return found;
+  } catch (const tf2::TransformException& e) {
+    why = e.what();  // the buffer was cleared in between: the clock jumped back
+  }
+  *problem = "no odometry for the image: " + why;
+  return std::nullopt;
+}
+
+std::optional<UpReading> MomentReader::upAt(const ros::Time& stamp, std::string* problem) {
+  if (!params_.use_imu) return std::nullopt;
+  constexpr double kSameMoment = 0.05;  // s; an IMU is faster than 20 Hz
+  sensor_msgs::ImuConstPtr nearest;
+  {
+    const std::lock_guard<std::mutex> lock(imu_mutex_);
+    double least = kSameMoment;
+    for (const sensor_msgs::ImuConstPtr& message : imu_) {
+      const double offset = std::abs((message->header.stamp - stamp).toSec());
+      if (offset > least) continue;
+      least = offset;
+      nearest = message;
+    }
+  }
+  try {
+    if (!nearest) throw InputError("no imu message for the image");
+    if (nearest->orientation_covariance[0] == -1)
+      throw InputError("imu: its messages hold no orientation");
+    geometry_msgs::Pose pose;
+    pose.orientation = nearest->orientation;
+    const Eigen::Matrix3d R_world_imu = fromMessage(pose, "imu").linear();
+    const Eigen::Matrix3d R_base_imu =
+        sensorMounting(tf_, params_.base_frame_id, nearest->header, "imu").linear();
+    return UpReading{R_base_imu * R_world_imu.transpose() * Eigen::Vector3d::UnitZ(),
+                     params_.imu_sigma};
+  } catch (const std::exception& e) {
+    *problem = e.what();
+    return std::nullopt;
+  }
+}
+
+cv::Mat MomentReader::maskFor(const Moment::CameraPart& part, const CameraModel& model,
+                              const Pose& T_base_camera, LastMask* last,
+                              MomentInput* result) const {
+  const MaskMatcher::Match& match = *part.match;
+  std::optional<Eigen::Matrix3d> R_odom_camera;
+  if (result->input.odometry) R_odom_camera = (*result->input.odometry * T_base_camera).linear();
+  if (match.mask) {
+    cv::Mat mask = maskFromMessage(match.mask, part.origin + " mask");
+    result->mask_age = 0;
+    if (params_.mask_policy == "use_last")
+      *last = {mask.clone(), match.image->header.stamp, R_odom_camera};
+    return mask;
+  }
+  if (params_.mask_policy == "skip_update")
+    throw InputError(part.origin + ": no mask in time, image not used");
+  if (params_.mask_policy != "use_last" || last->mask.empty()) return {};
+  result->mask_age = (match.image->header.stamp - last->stamp).toSec();
+  if (result->mask_age < 0) return {};  // the clock was set back: the mask shows another time
+  if (!R_odom_camera || !last->R_odom_camera) return last->mask;
+  return turnMask(last->mask, model, R_odom_camera->transpose() * *last->R_odom_camera);
+}
+
+void MomentReader::addView(const Moment::CameraPart& part, LastMask* last, MomentInput* result) {
+  if (!part.match) throw InputError(part.origin + ": no image of this moment");
+  if (!part.info) throw InputError(part.origin + ": no camera_info yet");
+  const sensor_msgs::ImageConstPtr& image = part.match->image;
+  LiveInput::View view;
+  view.origin = part.origin;
+  view.camera = fromMessage(*part.info, part.origin + " camera_info");
+  view.image = fromMessage(image, part.origin);
+  view.T_base_camera = sensorMounting(tf_, params_.base_frame_id, image->header, part.origin);
+  if (params_.use_masks) view.mask = maskFor(part, view.camera, view.T_base_camera, last, result);
+  result->input.views.push_back(std::move(view));
+}
+
+void MomentReader::addDepth(const Moment::CameraPart& part, size_t camera, LastMask* last,
+                            MomentInput* result) {
+  const std::string origin = part.origin + " depth";
+  if (!part.depth) throw InputError(origin + ": no depth image in time");
+  // Depth that is registered to the colour camera may have no calibration of its own.
+  const sensor_msgs::CameraInfoConstPtr& info = part.depth_info ? part.depth_info : part.info;
+  if (!info) throw InputError(origin + ": no camera_info yet");
+  LiveInput::Depth depth;
+  depth.image.origin = origin;
+  depth.image.camera = fromMessage(*info, origin + " camera_info");
+  depth.image.depth = depthFromMessage(part.depth, origin);
+  depth.image.units_per_metre = 1000;
+  depth.T_base_camera = sensorMounting(tf_, params_.base_frame_id, part.depth->header, origin);
+  depth.sensor = static_cast<uint32_t>(camera);
+  bool image_is_used = false;
+  for (const LiveInput::View& view : result->input.views) {
+    if (view.origin != part.origin) continue;
+    image_is_used = true;
+    if (!view.mask.empty())
+      depth.image.mask = {view.mask, view.camera,
+                          view.T_base_camera.inverse() * depth.T_base_camera};
+  }
+  // The mask of the image also masks the depth image. When the image could not be used, its problem
+  // is reported already.
+  if (cues_ == Cues::kBoth && params_.use_masks && !image_is_used) return;
+  if (cues_ == Cues::kDepth && params_.use_masks && part.match) {
+    Moment::CameraPart named = part;
+    named.origin = origin;
+    const cv::Mat mask = maskFor(named, depth.image.camera, depth.T_base_camera, last, result);
+    if (!mask.empty()) depth.image.mask = {mask, depth.image.camera, Pose::Identity()};
+  }
+  result->input.depths.push_back(std::move(depth));
+}
+
+MomentInput MomentReader::read(const Moment& moment) {
+  MomentInput result;
+  result.input.time = moment.stamp.toSec();
+  result.input.odometry = odometryAt(moment.stamp, &result.problem);
+  result.input.up = upAt(moment.stamp, &result.problem);
+  const auto attempt = [&](auto&& add) {
+    try {
+      add();
+    } catch (const std::exception& e) {
+      result.problem = e.what();
+    }
+  };
+  for (size_t i = 0; i < moment.cameras.size(); ++i) {
+    const Moment::CameraPart& part = moment.cameras[i];
+    if (cues_ != Cues::kDepth) attempt([&] { addView(part, &last_masks_[i], &result); });
+    if (cues_ != Cues::kEdges) attempt([&] { addDepth(part, i, &last_masks_[i], &result); });
+  }
+  return result;
+}
+
+}  // namespace edge_mcl
