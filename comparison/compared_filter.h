@@ -1,4 +1,4 @@
-/// The filters that are compared, behind one interface.
+/// Defines one interface for all filters of the comparison.
 #pragma once
 
 #include <memory>
@@ -7,30 +7,32 @@
 
 namespace edge_mcl {
 
-/// Follows a camera from moment to moment. The base of the input is the camera, T_map_base =
-/// T_map_camera; the map's z axis points up.
+/// Estimates the pose of a camera from moment to moment. The base of the input is the camera, so
+/// T_map_base = T_map_camera. The z axis of the map points up.
 class ComparedFilter {
  public:
   virtual ~ComparedFilter() = default;
+  /// Starts the filter. @param start T_map_camera.
   virtual void initialize(const PoseGaussian& start) = 0;
-  /// @param truth T_map_camera; only what a method is said to be given may be taken from it.
-  /// @return T_map_camera
+  /// Uses the data of one moment. @param truth T_map_camera; a method may take from it only what
+  /// its description says. @return T_map_camera
   virtual Pose process(const LiveInput& input, const Pose& truth) = 0;
 };
 
-/// Standard deviations of what the odometry says of the motion between two moments, as all filters
-/// are told: edge_mcl's own motion model.
+/// Motion of the camera between two moments with its uncertainty. All filters get the same motion
+/// and edge_mcl's model of its noise.
 struct Motion {
   Pose increment = Pose::Identity();  ///< of the camera, in its own frame
-  Twist sigma = Twist::Zero();        ///< m, rad
+  Twist sigma = Twist::Zero();        ///< standard deviations, m and rad
 };
 
-/// Keeps the last odometry.
+/// Computes the motion between moments from the odometry.
 class MotionSource {
  public:
   explicit MotionSource(const FilterParameters& params) : params_(params) {}
-  /// Since the last call; nothing at the first. Without odometry the camera is taken to stand
-  /// still, and the spread is that of a walk.
+  /// Returns the motion since the last call; the first call returns no motion. Without odometry the
+  /// increment is identity, and the standard deviations are those of a random walk
+  /// (`filter.walk_*`).
   Motion next(const LiveInput& input);
 
  private:

@@ -12,8 +12,8 @@ namespace edge_mcl {
 
 namespace {
 
-// MRPT's likelihoods of points and rays are meant to be adapted to the sensor: these values were
-// the best of those tried on the office flight (docs/comparison.md).
+// MRPT's likelihoods of points and rays must be adapted to the sensor. These values were the best
+// of a trial on the office flight (docs/comparison.md).
 constexpr double kPointSpacing = 0.05, kPointSigma = 0.005, kPower = 1;
 
 std::vector<ComparedMethod> makeMethods() {

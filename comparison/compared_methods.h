@@ -1,4 +1,4 @@
-/// What is compared.
+/// Lists the methods of the comparison and makes their filters.
 #pragma once
 
 #include <memory>
@@ -11,28 +11,33 @@
 
 namespace edge_mcl {
 
+/// Filter and map of a method: edge_mcl, edge_mcl's map in MRPT's 3D filter, MRPT's 3D filter on a
+/// point map, MRPT's 2D filter on a grid, dead reckoning.
 enum class MethodKind { kOwn, kEdgesInMrptFilter, kPointMap, kFloorPlan, kDeadReckoning };
 
+/// One method of the comparison.
 struct ComparedMethod {
-  std::string name;   ///< short, for files
-  std::string title;  ///< for people
+  std::string name;   ///< short name for files
+  std::string title;  ///< name in tables and plots
   MethodKind kind = MethodKind::kOwn;
   bool needs_depth = false, needs_masks = false, uses_masks = true;
-  /// Parameters that differ from the defaults.
+  /// Names and values of parameters that differ from the defaults.
   std::vector<std::pair<std::string, std::string>> settings;
 
+  /// Whether the sequence has the data that the method needs.
   bool fits(const Sequence& sequence) const;
-  /// Whether the number of particles matters.
+  /// Whether the method has particles.
   bool hasParticles() const { return kind != MethodKind::kDeadReckoning; }
-  /// Whether it is one of MRPT's filters on one of MRPT's maps.
+  /// Whether the method is one of MRPT's filters on one of MRPT's maps.
   bool isBuiltin() const { return kind == MethodKind::kPointMap || kind == MethodKind::kFloorPlan; }
 };
 
+/// All methods, in the order of the tables.
 const std::vector<ComparedMethod>& comparedMethods();
-/// @throws ParameterError when there is none of that name; it lists them.
+/// Returns the method with a name. @throws ParameterError for an unknown name; it lists all names.
 const ComparedMethod& comparedMethod(const std::string& name);
 
-/// @throws InputError, ParameterError
+/// Makes the filter of a method for the model of a sequence. @throws InputError, ParameterError
 std::unique_ptr<ComparedFilter> makeFilter(const ComparedMethod& method, const Sequence& sequence,
                                            int particles, uint64_t seed);
 

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "edge_mcl/comparison/compared_methods.h"
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/localization/recorded/sequence_input.h"
 
@@ -14,10 +15,10 @@ namespace edge_mcl {
 namespace {
 
 constexpr double kSuccessPosition = 0.10, kSuccessAngle = 3;  // m, deg
-constexpr double kLostPosition = 0.25, kLostAngle = 5;
-constexpr double kDegree = M_PI / 180;
+constexpr double kLostPosition = 0.25, kLostAngle = 5;        // m, deg
 
-/// getrusage() would tell of the process that started this one, where that was larger.
+/// Returns the largest resident size of this process. getrusage() is no substitute: it reports the
+/// size of the parent process when that was larger.
 double peakMegabytes() {
   std::ifstream in("/proc/self/status");
   for (std::string line; std::getline(in, line);)
@@ -66,7 +67,7 @@ ComparedRun runCompared(const std::string& method_name, const std::string& direc
           std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
               .count());
       const Eigen::Vector3d off = pose.translation() - frame.ground_truth->translation();
-      if (!off.allFinite()) throw Error("a pose that is not finite");
+      if (!off.allFinite()) throw Error("the filter returned a pose that is not finite");
       const double angle = rotationAngle(pose, *frame.ground_truth) / kDegree;
       position.push_back(off.norm());
       plane.push_back(off.head<2>().norm());

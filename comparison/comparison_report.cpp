@@ -45,7 +45,8 @@ std::string tableOf(const std::vector<ComparedRow>& rows, const std::string& seq
   return text;
 }
 
-/// The verdict is drawn from the figures, whoever wins.
+/// Compares the best method of edge_mcl with the best filter of MRPT by the figures, whichever
+/// wins.
 std::string verdictOf(const std::vector<ComparedRow>& rows, const std::string& sequence) {
   const ComparedRow *own = nullptr, *builtin = nullptr;
   for (const ComparedRow& r : rows) {
@@ -53,37 +54,39 @@ std::string verdictOf(const std::vector<ComparedRow>& rows, const std::string& s
     const ComparedMethod& method = comparedMethod(r.method);
     if (method.kind != MethodKind::kOwn && !r.builtin) continue;
     const ComparedRow*& best = r.builtin ? builtin : own;
-    // In the plane: all have that.
+    // The error in the plane decides, because MRPT's 2D filter estimates nothing else.
     if (!best || r.plane < best->plane) best = &r;
   }
   if (!own || !builtin) return "";
   const bool wins = builtin->plane < own->plane;
   const double ratio = wins ? own->plane / builtin->plane : builtin->plane / own->plane;
   std::string text = format(
-      "In the plane, %s is the most exact (%.1f cm, %zu of %zu runs lost), then %s (%.1f cm, "
-      "%zu of %zu lost): a factor of %.1f. ",
+      "In the plane, \"%s\" has the smallest error (%.1f cm, %zu of %zu runs lost). The best "
+      "filter of the other project is \"%s\" (%.1f cm, %zu of %zu runs lost). The factor between "
+      "the errors is %.1f.",
       (wins ? builtin : own)->title.c_str(), 100 * (wins ? builtin : own)->plane,
       (wins ? builtin : own)->lost, (wins ? builtin : own)->runs,
       (wins ? own : builtin)->title.c_str(), 100 * (wins ? own : builtin)->plane,
       (wins ? own : builtin)->lost, (wins ? own : builtin)->runs, ratio);
-  if (wins) text += "**MRPT's filter wins here.** ";
+  if (wins) text += " **MRPT's filter wins here.**";
   return text + "\n";
 }
 
 std::string paperTable(const nlohmann::json& bench) {
   std::string text =
-      "The paper's Table 1 (ms per update, four experiments; neither the number of particles nor "
-      "the hardware\nis given):\n\n"
+      "Table 1 of the paper gives the time per update in ms for four experiments. The paper\n"
+      "gives neither the number of particles nor the hardware.\n\n"
       "| experiment | 1 | 2 | 3 | 4 |\n|---|---|---|---|---|\n"
       "| CPU | 123.6 | 102.83 | 150.12 | 131.84 |\n| CPU and GPU | 7.39 | 6.54 | 8.44 | 7.45 |\n"
       "| ratio | 16.7 | 15.7 | 17.7 | 17.6 |\n\n";
-  if (bench.is_null()) return text + "Not measured anew in this run (`--bench`).\n";
+  if (bench.is_null())
+    return text + "Without the option `--bench`, the times of edge_mcl are not measured.\n";
   text +=
-      "The same flow (its figure 2, written plainly, one thread) against our CPU backend on one "
-      "thread,\n"
-      "sequence " +
+      "The next table gives the time of the likelihood alone, on one thread and without a GPU.\n"
+      "The plain flow is the paper's figure 2, written plainly. edge_mcl uses its CPU backend.\n"
+      "The sequence is " +
       bench.at("sequence").get<std::string>() +
-      ", likelihood only, without a GPU:\n\n"
+      ".\n\n"
       "| particles | plain flow, ms | edge_mcl, one core, ms | ratio |\n|---|---|---|---|\n";
   for (const auto& line : bench.at("table"))
     text += format("| %d | %.1f | %.2f | %.0f |\n", line.at("particles").get<int>(),
@@ -143,43 +146,45 @@ std::string toMarkdown(const Comparison& c) {
   const std::vector<ComparedRow> count = rowsOf(c.equal_count), time = rowsOf(c.equal_time);
   size_t seeds = 0;
   for (const ComparedRow& r : count) seeds = std::max(seeds, r.runs);
-  std::string text = "# Comparison with MRPT's own filters\n\nMade by\n\n    " + c.command + "\n\n";
-  text += format(
-      "on one core of: %s. %zu seeds each. All filters get the same start (with the spread that "
-      "the sequence says),\nthe same odometry and the same model of its noise, the same images, "
-      "masks and depth images. Every run is a\nprocess of its own, bound to one core; a run that "
-      "was made is kept, so the command goes on where it was stopped.\n\n",
-      c.machine.c_str(), seeds);
+  std::string text =
+      "# Comparison with MRPT's own filters\n\nThis command makes the page:\n\n    " + c.command +
+      "\n\n";
+  text += format("It ran on one core of: %s. Every method ran with %zu seeds.\n", c.machine.c_str(),
+                 seeds);
   text +=
-      "* **edge_mcl**: the localizer as it is, with refinement and recovery, one cue or both.\n"
-      "* **MRPT's 3D filter on edge_mcl's map**: `CMonteCarloLocalization3D` with `CEdgeMap`, full "
-      "power of the\n"
-      "  likelihood (`powFactor = 1`) and edge_mcl's default parameters: what our likelihood does "
-      "without our\n"
-      "  filter. `docs/examples/pf_localization.ini` gives MRPT's filter `powFactor = 0.4` and "
-      "`likelihood.sigma = 3`.\n"
-      "* **MRPT's 3D filter on a point map**: the same on a `CSimplePointsMap` of the model's "
-      "surfaces (5 cm\n"
-      "  apart), with the 500 depth points that edge_mcl's depth cue takes.\n"
-      "* **MRPT's 2D filter on a grid**: `CMonteCarloLocalization2D` on a `COccupancyGridMap2D` (1 "
-      "cm) cut from\n"
-      "  the model at the height of the start, with a scan made from the depth image there.\n"
-      "  (1) It estimates x, y and heading; height, roll and pitch are given to it from the "
-      "truth.\n"
-      "* **dead reckoning**: the start and the odometry.\n\n"
-      "MRPT's likelihoods have settings for the sensor. Those used were the best of those tried on "
-      "the office\n"
-      "flight: of sigmas of 2 to 50 mm for the point map 5 mm, spacings of 2 and 5 cm being "
-      "equally good; of\n"
-      "likelihood fields with 5 to 35 cm sigma and 1 to 5 cm cells 5 cm and 1 cm; full power of "
-      "the likelihood\n"
-      "rather than a fifth. Their defaults were worse. edge_mcl runs with its defaults,\nbut uses "
-      "images however little of the model they show.\n\n"
-      "Position and rotation are medians over the images of a run, then means over the seeds; a "
-      "run is lost\n"
-      "when its last image is off by more than 25 cm or 5 degrees. MB: largest resident size of "
-      "the process,\n"
-      "model and program included.\n";
+      "All filters get the same start pose (with the standard deviations that the sequence\n"
+      "gives), the same odometry, the same model of the odometry noise, and the same images,\n"
+      "masks and depth images. Every run is a process of its own and is bound to one core.\n"
+      "Finished runs are kept, so a stopped command continues where it stopped.\n\n"
+      "* **edge_mcl**: the complete localizer with refinement and recovery. It uses edges,\n"
+      "  depth or both. \"The paper's likelihood\" means `likelihood.model = paper`. \"Without\n"
+      "  masks\" means that it does not use the masks of the sequence.\n"
+      "* **MRPT's 3D filter on edge_mcl's map**: `CMonteCarloLocalization3D` with `CEdgeMap`.\n"
+      "  The likelihood has its full power (`powFactor = 1`), and all parameters of edge_mcl\n"
+      "  have their defaults. This row shows edge_mcl's likelihood without edge_mcl's filter.\n"
+      "  The example `docs/examples/pf_localization.ini` uses other values: `powFactor = 0.4`\n"
+      "  and `likelihood.sigma = 3`.\n"
+      "* **MRPT's 3D filter on a point map**: `CMonteCarloLocalization3D` with a\n"
+      "  `CSimplePointsMap` of the model's surfaces (points 5 cm apart). Every depth image\n"
+      "  gives the same 500 points as for edge_mcl's depth cue.\n"
+      "* **MRPT's 2D filter on a grid**: `CMonteCarloLocalization2D` with a\n"
+      "  `COccupancyGridMap2D` (cells of 1 cm). The grid is the section of the model at the\n"
+      "  height of the start pose. The scan is made from the points of the depth image near\n"
+      "  this height. (1) The filter estimates x, y and heading. It gets height, roll and pitch\n"
+      "  from the ground truth.\n"
+      "* **dead reckoning**: the start pose, moved by the odometry alone.\n\n"
+      "MRPT's likelihoods have settings that depend on the sensor. The comparison uses the best\n"
+      "values of a trial on the office flight. MRPT's defaults were worse in this trial.\n\n"
+      "* Point map: sigma 5 mm was the best of 2 to 50 mm. Points 2 cm and 5 cm apart were\n"
+      "  equally good.\n"
+      "* Grid: sigma 5 cm was the best of 5 to 35 cm, and cells of 1 cm were the best of 1 to 5\n"
+      "  cm.\n"
+      "* Power of the likelihood: 1 was better than 0.2.\n\n"
+      "edge_mcl runs with its defaults, with one exception: it uses an image even when the\n"
+      "image shows little of the model (`tracking.min_visible_samples = 0`).\n\n"
+      "The errors and the times per update are medians over the images of a run, then means\n"
+      "over the seeds. A run is lost when its last image has an error of more than 25 cm or 5\n"
+      "degrees. MB is the largest resident size of the process, including model and program.\n";
   if (!c.accuracy_plot.empty())
     text += "\n![error over time per update](" + c.accuracy_plot + ")\n";
   if (!c.error_plot.empty()) text += "\n![error along the flights](" + c.error_plot + ")\n";
@@ -188,18 +193,17 @@ std::string toMarkdown(const Comparison& c) {
     text += "\n### " + s + "\n\n" + verdictOf(count, s) + "\n" + tableOf(count, s);
   text += format(
       "\n## As many particles as fit into %.0f ms on one core\n\n"
-      "Their number follows from the time that updates took with two other numbers; at least "
-      "10, at most 20,000.\n",
+      "The number of particles is computed from the update times with two other numbers of\n"
+      "particles. It is at least 10 and at most 20,000.\n",
       c.budget_ms);
   for (const std::string& s : sequencesOf(time))
     text += "\n### " + s + "\n\n" + verdictOf(time, s) + "\n" + tableOf(time, s);
   text += "\n## The paper's claims\n\n" + paperTable(c.bench);
   text +=
-      "\nThat a network's masks help where things are not in the map (its figure 5, without "
-      "figures): compare\n"
-      "\"edges\" and \"edges, without masks\" above; there masks are perfect. With the masks of "
-      "the detector:\n"
-      "[detector.md](detector.md).\n";
+      "\nThe paper also says that the masks of a network help when objects are not in the map\n"
+      "(figure 5, without numbers). To see this effect, compare \"edges\" with \"edges, without\n"
+      "masks\" above. The masks there are perfect. [detector.md](detector.md) has the results\n"
+      "with the masks of the detector.\n";
   return text;
 }
 

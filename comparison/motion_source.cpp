@@ -4,7 +4,7 @@
 namespace edge_mcl {
 
 Motion MotionSource::next(const LiveInput& input) {
-  // MRPT draws from the motion by a Cholesky factor, which zero has not.
+  // MRPT samples the motion with a Cholesky factor, which does not exist for a zero covariance.
   constexpr double kLeast = 1e-6;
   Motion motion;
   motion.sigma.setConstant(kLeast);

@@ -11,6 +11,7 @@
 
 #include "edge_mcl/comparison/mrpt_runner.h"
 #include "edge_mcl/comparison/surface_points.h"
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/random_source.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 
@@ -18,11 +19,9 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
 double headingOf(const Pose& body) { return std::atan2(body.linear()(1, 0), body.linear()(0, 0)); }
 
-/// Heading and place taken away; height, roll and pitch stay.
+/// Returns the pose with heading, x and y set to 0. Height, roll and pitch stay.
 Pose levelled(const Pose& body) {
   Pose level = Pose::Identity();
   level.linear() = rotationFromAngles(0, 0, -headingOf(body)) * body.linear();
@@ -82,7 +81,7 @@ mrpt::obs::CObservation2DRangeScan::Ptr scanOf(const DepthPoints& points, const 
     ranges[ray].push_back(static_cast<float>(std::hypot(p.x(), p.y())));
   }
   auto scan = mrpt::obs::CObservation2DRangeScan::Create();
-  // Rays stand in the middle of their bins.
+  // Every ray has the direction of the middle of its bin, so the aperture is one bin smaller.
   scan->aperture = static_cast<float>(field_of_view * static_cast<double>(count - 1) /
                                       static_cast<double>(count));
   scan->rightToLeft = true;
@@ -111,7 +110,7 @@ MrptFilter2D::MrptFilter2D(const MeshModel& mesh, double height, const FilterPar
       plan_(plan),
       motion_(params),
       filter_(std::make_unique<Filter>(static_cast<size_t>(params.particles))) {
-  // Of all points of the image those of one height are left: more to begin with.
+  // Only the points of one height are used, so the filter takes more points than the depth cue.
   depth_.points = 5000;
   filter_->options.metricMap = floorPlanOf(mesh, height, plan);
   filter_->runner.m_options = runnerOptions(params, power);
@@ -134,7 +133,7 @@ void MrptFilter2D::initialize(const PoseGaussian& start) {
 Pose MrptFilter2D::process(const LiveInput& input, const Pose& truth) {
   const Motion motion = motion_.next(input);
   const Pose level = levelled(truth * opticalOnBody().inverse());
-  // The motion in the plane, by roll and pitch before it.
+  // Motion in the plane, computed with the roll and pitch before the motion.
   const Pose moved =
       last_level_.value_or(level) * opticalOnBody() * motion.increment * opticalOnBody().inverse();
   last_level_ = level;

@@ -1,4 +1,4 @@
-/// MRPT's own planar particle filter on an occupancy grid.
+/// Runs MRPT's own planar particle filter on an occupancy grid.
 #pragma once
 
 #include <mrpt/maps/COccupancyGridMap2D.h>
@@ -9,31 +9,32 @@
 
 namespace edge_mcl {
 
-/// How the plan and the scan are made.
+/// Parameters of the grid and the scan.
 struct FloorPlanParameters {
-  double cell = 0.01;  ///< m, of the grid
-  double slab = 0.1;   ///< m; depth points this near to the plan's height make the scan
-  double ray_deg = 1;  ///< between rays
-  double field_of_view_deg = 120;
-  double sigma_hit = 0.05;  ///< m, LF_stdHit of MRPT's likelihood field
+  double cell = 0.01;              ///< size of a grid cell, m
+  double slab = 0.1;               ///< m; points this near to the grid's height make the scan
+  double ray_deg = 1;              ///< angle between rays
+  double field_of_view_deg = 120;  ///< of the scan
+  double sigma_hit = 0.05;         ///< m, LF_stdHit of MRPT's likelihood field
 };
 
-/// An occupancy grid cut out of the model at a height (map z, m).
+/// Makes an occupancy grid of the section through the model at a height (map z, m).
 mrpt::maps::COccupancyGridMap2D::Ptr floorPlanOf(const MeshModel& mesh, double height,
                                                  const FloorPlanParameters& params);
 
-/// The depth image as a horizontal scanner at the camera would see it in the plan's height: of the
-/// points near that height, the median range per ray.
-/// @param level_camera the camera with heading 0, at (0, 0, its height). @return nothing where
-/// hardly a ray hits.
+/// Makes the scan that a horizontal scanner at the camera would measure at the height of the grid.
+/// The range of a ray is the median of the depth points near this height in its direction.
+/// @param points camera frame, m. @param level_camera T_map_camera with heading 0 and x = y = 0.
+/// @param height of the grid, map z, m. @return null when fewer than 5 rays have a point.
 mrpt::obs::CObservation2DRangeScan::Ptr scanOf(const DepthPoints& points, const Pose& level_camera,
                                                double height, const FloorPlanParameters& params);
 
-/// mrpt::slam::CMonteCarloLocalization2D as MRPT ships it. It knows x, y and heading; height, roll
-/// and pitch are given to it from the truth, as if an altimeter and an IMU were perfect.
+/// mrpt::slam::CMonteCarloLocalization2D as MRPT ships it. It estimates x, y and heading. It gets
+/// height, roll and pitch from the ground truth, as from a perfect altimeter and a perfect IMU.
 class MrptFilter2D : public ComparedFilter {
  public:
-  /// @param height of the plan. @param power of the likelihood, MRPT's powFactor.
+  /// @param height of the grid, map z, m. @param power exponent of the likelihood, MRPT's
+  /// powFactor.
   MrptFilter2D(const MeshModel& mesh, double height, const FilterParameters& params,
                const DepthParameters& depth, const FloorPlanParameters& plan, double power);
   ~MrptFilter2D() override;

@@ -74,7 +74,7 @@ mrpt::maps::CMetricMap::Ptr pointMapOf(const MeshModel& mesh, double spacing, do
   for (const Eigen::Vector3f& p : surfacePoints(mesh, spacing))
     map->insertPointFast(p.x(), p.y(), p.z());
   map->mark_as_modified();
-  // "sigma_dist" is a variance; every point given is to be used.
+  // MRPT's "sigma_dist" is a variance. Decimation 1 makes MRPT use every point.
   map->likelihoodOptions.sigma_dist = sigma * sigma;
   map->likelihoodOptions.max_corr_distance = 0.3;
   map->likelihoodOptions.decimation = 1;

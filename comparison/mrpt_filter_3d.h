@@ -1,4 +1,4 @@
-/// MRPT's own six-dimensional particle filter.
+/// Runs MRPT's own six-dimensional particle filter.
 #pragma once
 
 #include <mrpt/maps/CMetricMap.h>
@@ -11,16 +11,16 @@
 
 namespace edge_mcl {
 
-/// mrpt::slam::CMonteCarloLocalization3D as MRPT ships it (standard proposal, systematic
-/// resampling below half of the effective sample size) on a metric map. It holds poses of a body
-/// with x forward and z up, so that its angles stay far from their singularity.
+/// mrpt::slam::CMonteCarloLocalization3D as MRPT ships it on a metric map: standard proposal,
+/// systematic resampling when the effective sample size is below half of the particles. Its poses
+/// are poses of a body with x forward and z up, so that their angles stay far from the singularity.
 class MrptFilter3D : public ComparedFilter {
  public:
-  /// A moment as an observation of the map, the sensor's pose being opticalOnBody(); nothing where
-  /// there is none: then it predicts only.
+  /// Makes an observation of the map from a moment; the pose of its sensor is opticalOnBody(). It
+  /// returns null when there are no data; then the filter only predicts.
   using Observe = std::function<mrpt::obs::CObservation::Ptr(const LiveInput&)>;
 
-  /// @param power of the likelihood, MRPT's powFactor.
+  /// @param power exponent of the likelihood, MRPT's powFactor.
   MrptFilter3D(mrpt::maps::CMetricMap::ConstPtr map, Observe observe,
                const FilterParameters& params, double power);
   ~MrptFilter3D() override;
@@ -35,11 +35,12 @@ class MrptFilter3D : public ComparedFilter {
   std::unique_ptr<Filter> filter_;
 };
 
-/// The model's surfaces as mrpt::maps::CSimplePointsMap. @param spacing m.
+/// Makes a mrpt::maps::CSimplePointsMap of the model's surfaces. @param spacing largest distance of
+/// neighbouring points, m. @param sigma standard deviation of a point's distance, m.
 mrpt::maps::CMetricMap::Ptr pointMapOf(const MeshModel& mesh, double spacing, double sigma);
-/// The points that edge_mcl's own depth cue takes, as CObservationPointCloud.
+/// Observes the points of edge_mcl's depth cue as CObservationPointCloud.
 MrptFilter3D::Observe observePoints(const DepthParameters& params);
-/// The image and its mask, as CObservationMaskedImage.
+/// Observes the image and its mask as CObservationMaskedImage.
 MrptFilter3D::Observe observeImages();
 
 }  // namespace edge_mcl

@@ -1,4 +1,4 @@
-/// How MRPT's particle filters are run, whatever their dimension.
+/// Sets the options of MRPT's 2D and 3D particle filters.
 #pragma once
 
 #include <mrpt/bayes/CParticleFilter.h>
@@ -8,9 +8,9 @@
 
 namespace edge_mcl {
 
-/// As MRPT ships it: standard proposal, systematic resampling below half of the effective sample
-/// size. Seeds MRPT's random numbers, of which there is one source per process.
-/// @param power of the likelihood, MRPT's powFactor.
+/// Returns the options as MRPT ships them: standard proposal, systematic resampling when the
+/// effective sample size is below half of the particles. It also seeds MRPT's random numbers, which
+/// have one source per process. @param power exponent of the likelihood, MRPT's powFactor.
 inline mrpt::bayes::CParticleFilter::TParticleFilterOptions runnerOptions(
     const FilterParameters& params, double power) {
   mrpt::bayes::CParticleFilter::TParticleFilterOptions options;

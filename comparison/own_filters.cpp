@@ -1,12 +1,11 @@
 #include "edge_mcl/comparison/own_filters.h"
 
+#include "edge_mcl/localization/recorded/recorded_localizer.h"
+
 namespace edge_mcl {
 
 OwnFilter::OwnFilter(std::shared_ptr<const LocalizationMap> map) : localizer_(std::move(map)) {
-  // As for all recordings: what they show is to be tracked, however little of the image it is.
-  TrackingParameters tracking = localizer_.tracking();
-  tracking.min_visible_samples = 0;
-  localizer_.setTracking(tracking);
+  localizer_.setTracking(trackingOfRecordings(localizer_.tracking()));
 }
 
 Pose OwnFilter::process(const LiveInput& input, const Pose&) {

@@ -1,11 +1,11 @@
-/// edge_mcl as it is, and dead reckoning.
+/// Runs edge_mcl's own localizer, and dead reckoning.
 #pragma once
 
 #include "edge_mcl/comparison/compared_filter.h"
 
 namespace edge_mcl {
 
-/// The localizer with all that belongs to it: mixture proposal, states, recovery.
+/// The complete localizer: mixture proposal, states and recovery.
 class OwnFilter : public ComparedFilter {
  public:
   explicit OwnFilter(std::shared_ptr<const LocalizationMap> map);
@@ -16,7 +16,7 @@ class OwnFilter : public ComparedFilter {
   LiveLocalizer localizer_;
 };
 
-/// The start and the odometry, nothing else.
+/// Moves the start pose by the odometry alone.
 class DeadReckoning : public ComparedFilter {
  public:
   explicit DeadReckoning(const FilterParameters& params) : motion_(params) {}

@@ -12,7 +12,7 @@ std::vector<Eigen::Vector3f> surfacePoints(const MeshModel& mesh, double spacing
     const Eigen::Vector3f ab = mesh.vertices[triangle[1]] - a, ac = mesh.vertices[triangle[2]] - a;
     const float longest = std::max({ab.norm(), ac.norm(), (ab - ac).norm()});
     const int steps = std::max(1, static_cast<int>(std::ceil(longest / spacing)));
-    // Long thin triangles are not to be filled more densely across than along.
+    // A long thin triangle gets fewer points across, so that it is not denser across than along.
     const float area = ab.cross(ac).norm();
     const int across = std::clamp(static_cast<int>(std::ceil(area / longest / spacing)), 1, steps);
     const int along = steps;

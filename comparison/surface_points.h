@@ -1,4 +1,4 @@
-/// A mesh as MRPT's built-in maps want it: points of its surfaces, a section through it.
+/// Converts a mesh for MRPT's built-in maps: points on its surfaces, and a section through it.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,10 +9,11 @@
 
 namespace edge_mcl {
 
-/// Points on all triangles, `spacing` (m) apart at most.
+/// Puts points (map, m) on all triangles. Neighbouring points are at most `spacing` (m) apart.
 std::vector<Eigen::Vector3f> surfacePoints(const MeshModel& mesh, double spacing);
 
-/// Where the horizontal plane at `height` (map z, m) cuts the triangles: ends of straight pieces.
+/// Cuts the triangles with the horizontal plane at `height` (map z, m). @return ends of the
+/// straight pieces of the section, map x and y, m.
 std::vector<std::pair<Eigen::Vector2f, Eigen::Vector2f>> sectionOf(const MeshModel& mesh,
                                                                    double height);
 

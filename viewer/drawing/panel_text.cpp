@@ -2,21 +2,18 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "edge_mcl/core/drawing/text.h"
+
 namespace edge_mcl::panel_text {
 
 namespace {
-constexpr double kSize = 0.45;
-constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr int kHeight = 14;  // pixels
 }  // namespace
 
-int widthOf(const std::string& text) {
-  int base = 0;
-  return cv::getTextSize(text, kFont, kSize, 1, &base).width;
-}
+int widthOf(const std::string& text) { return textSize(text, kHeight).width; }
 
 int put(cv::Mat* panel, const std::string& text, cv::Point at, const cv::Scalar& color) {
-  cv::putText(*panel, text, at, kFont, kSize, color, 1, cv::LINE_AA);
-  return widthOf(text);
+  return drawText(panel, text, at, color, kHeight);
 }
 
 void label(cv::Mat* panel, const std::string& text, cv::Point at, const cv::Scalar& color) {

@@ -21,7 +21,7 @@ cv::Vec3b view_colors::ofWeight(float weight) {
     cv::applyColorMap(ramp, colors, cv::COLORMAP_VIRIDIS);
     return colors;
   }();
-  // Three powers of ten: after an update most weights are very small.
+  // The scale spans three powers of ten, because most weights are very small after an update.
   const float shown = 1 + std::log10(std::max(1e-9F, weight)) / 3;
   const float clamped = std::min(1.0F, std::max(0.0F, shown));
   return table.at<cv::Vec3b>(static_cast<int>(clamped * 255));
@@ -40,7 +40,8 @@ PanelFit fitImage(const cv::Size& image, const cv::Size& panel) {
 
 namespace {
 
-/// A dark panel with the picture in it, which has the size of the fit, give or take a pixel.
+/// Returns a dark panel with the picture in the area of the fit. The picture is resized when its
+/// size differs from the area's, by a pixel of rounding.
 cv::Mat framed(const cv::Mat& picture, const PanelFit& fit, const cv::Size& size) {
   cv::Mat panel(size, CV_8UC3, kDark);
   if (picture.size() == fit.area.size())
@@ -63,7 +64,7 @@ cv::Mat emptyPanel(const cv::Size& size, const std::string& title, const std::st
   return panel;
 }
 
-/// The same colour for a class wherever it is seen.
+/// Returns the colour of a class. It depends on the name only, so it is the same in all images.
 cv::Scalar colorOf(const std::string& name) {
   const cv::Scalar colors[] = {kPurple, kOrange, kSkyBlue, kGreen, kYellow, kVermillion};
   return colors[std::hash<std::string>()(name) % 6];
@@ -94,7 +95,7 @@ cv::Mat drawEdgePanel(const ViewMoment& m, const LocalizationMap* map, const Vie
   try {
     std::shared_ptr<const PreparedImage> prepared = m.prepared;
     if (!prepared) {
-      // Only what is drawn: no distances, no scores.
+      // The panel draws only edges, so distances and scores are not computed.
       auto edges_only = std::make_shared<PreparedImage>();
       edges_only->edges = findEdges(m.image, m.mask, map->params().image, "image");
       edges_only->frame.camera = m.camera;
@@ -102,7 +103,7 @@ cv::Mat drawEdgePanel(const ViewMoment& m, const LocalizationMap* map, const Vie
     }
     picture = drawOverlay(*map, *prepared, m.estimate.mean * m.T_base_camera, parts, fit.scale);
   } catch (const Error&) {
-    picture = asColor(m.image);  // the localizer says what is wrong with it
+    picture = asColor(m.image);  // the localizer reports what is wrong with the image
   }
   cv::Mat panel = framed(picture, fit, size);
   std::vector<panel_text::Piece> pieces;
@@ -149,7 +150,7 @@ cv::Mat drawMaskPanel(const ViewMoment& m, const cv::Size& size) {
     char text[64];
     std::snprintf(text, sizeof text, "%.40s %.2f", object.name.c_str(),
                   static_cast<double>(object.score));
-    // Below the panel's title.
+    // The label stays below the panel's title.
     panel_text::label(&picture, text, {box.x + 3, std::max(box.y + 14, 38)}, colorOf(object.name));
   }
   cv::Mat panel = framed(picture, fit, size);
@@ -175,7 +176,7 @@ cv::Mat drawLegend(const ViewMoment& m, const cv::Size& size) {
   entry("covariance, 3 sigma", kCovariance);
   if (!m.depth_points.empty()) entry("depth", kDepth);
   if (!m.clusters.empty()) entry("hypotheses", kHypothesis);
-  if (m.weights.empty()) {  // not known
+  if (m.weights.empty()) {  // the weights are unknown
     entry("particles", cv::Scalar(ofWeight(1)));
     return panel;
   }

@@ -1,4 +1,4 @@
-// The strips below the window: what was, over the last seconds.
+// Draws the strips at the bottom of the window: curves over the last seconds.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -15,7 +15,7 @@ using namespace view_colors;
 
 namespace {
 
-/// Horizontal: time, the newest at the right.
+/// Horizontal axis: time in s; the newest time is at the right.
 struct TimeAxis {
   double now, seconds;
   int left, right;
@@ -24,7 +24,7 @@ struct TimeAxis {
   }
 };
 
-/// Rounded up to 1, 2 or 5 times a power of ten.
+/// Rounds up to 1, 2 or 5 times a power of ten.
 double niceTop(double value) {
   const double power = std::pow(10, std::floor(std::log10(std::max(value, 1e-9))));
   for (double step : {1.0, 2.0, 5.0})
@@ -32,7 +32,8 @@ double niceTop(double value) {
   return 10 * power;
 }
 
-/// One strip: a frame, its name and value at the left, its top at the frame.
+/// Draws the frame of a strip. Name and present value stand left of it, the largest value of the
+/// axis at its top.
 void drawFrame(cv::Mat* panel, const cv::Rect& area, const std::string& name,
                const std::string& value, double top) {
   cv::rectangle(*panel, area, kPale, 1);
@@ -73,7 +74,8 @@ double largest(const HistoryView& history, double at_least, const Value& value) 
 
 void drawTimes(cv::Mat* panel, const cv::Rect& area, const TimeAxis& axis,
                const HistoryView& history, const UpdateTimes& now) {
-  // The few that took far longer are cut off: a search, the very first.
+  // The axis ends a little above the 90 % quantile. Rare long updates are cut off, like a search or
+  // the first update.
   std::vector<double> totals;
   for (const HistoryEntry& e : history.strip) totals.push_back(e.times.total);
   double usual = 10;
@@ -119,7 +121,7 @@ void drawTimes(cv::Mat* panel, const cv::Rect& area, const TimeAxis& axis,
 cv::Mat drawStrips(const ViewMoment& m, const HistoryView& history, double seconds,
                    const cv::Size& size) {
   cv::Mat panel(size, CV_8UC3, kPaper);
-  // As far as there is something to show.
+  // The axis is only as long as the history.
   const double span = history.strip.empty() ? seconds : m.time - history.strip.front().time;
   const TimeAxis axis{m.time, std::clamp(1.05 * span, 2.0, seconds), 150, size.width - 12};
 

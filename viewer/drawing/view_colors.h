@@ -1,5 +1,5 @@
-/// Colours of the viewer, blue green red: Okabe and Ito's palette, which colour-blind readers can
-/// tell apart, too.
+/// Defines the colours of the viewer (blue, green, red). They are Okabe and Ito's palette, which
+/// colour-blind readers can tell apart.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -16,6 +16,7 @@ inline const cv::Scalar kOrange(0, 159, 230), kSkyBlue(233, 180, 86), kGreen(115
 inline const cv::Scalar &kEstimate = kOrange, &kTruth = kBlue, &kCovariance = kPurple,
                         &kDepth = kSkyBlue, &kHypothesis = kVermillion;
 
+/// Colour of a state of the localizer.
 inline cv::Scalar ofState(LocalizerState state) {
   switch (state) {
     case LocalizerState::kTracking:
@@ -34,8 +35,8 @@ inline cv::Scalar ofState(LocalizerState state) {
   return kGrey;
 }
 
-/// Of a particle, by the logarithm of its weight against the largest: matplotlib's viridis, dark to
-/// bright. @param weight 0 to 1.
+/// Colour of a particle: matplotlib's viridis, from dark for a small weight to bright for a large
+/// one. The scale is logarithmic and ends at 1/1000. @param weight relative to the largest, 0 to 1.
 cv::Vec3b ofWeight(float weight);
 
 }  // namespace edge_mcl::view_colors

@@ -8,9 +8,9 @@ ViewLayout layoutOf(const cv::Size& window, const cv::Size& image) {
   const double proportion =
       image.empty() ? 4.0 / 3 : static_cast<double>(image.width) / image.height;
   const int upper = window.height / 2;
-  // As wide as two images above each other, unless that leaves too little of the window.
+  // The right part is as wide as two images above each other, but at most half of the window.
   int right = std::clamp(cvRound(upper * proportion), window.width / 4, window.width / 2);
-  // OpenGL hands pictures over in rows of whole four bytes; MRPT's buffer has no room for more.
+  // OpenGL pads the rows of a picture to four bytes, and MRPT's buffer has no room for padding.
   const int left = (window.width - right) / 4 * 4;
   right = window.width - left;
   constexpr int kLegend = 24;

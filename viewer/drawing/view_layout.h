@@ -1,18 +1,20 @@
-/// Where what is in the window.
+/// Divides the viewer's window into its parts.
 #pragma once
 
 #include <opencv2/core.hpp>
 
 namespace edge_mcl {
 
-/// Without gaps: the space at the left, above legend and strips; at the right the camera image
-/// twice, once with edges, once with masks.
+/// Rectangles of the parts, pixels, without gaps. Left: the 3D scene (`space`), below it the
+/// legend. Right: the camera image with edges, below it with masks. The strips lie below the
+/// legend.
 struct ViewLayout {
   cv::Rect space, legend, strips, edges, masks;
 };
 
-/// The width of `space` is a multiple of four pixels.
-/// @param image of the camera, for its proportions; empty: 4 to 3.
+/// Computes the layout. The width of `space` is a multiple of four pixels.
+/// @param window its size, pixels. @param image size of the camera image, for its proportions;
+/// empty: 4 to 3.
 ViewLayout layoutOf(const cv::Size& window, const cv::Size& image);
 
 }  // namespace edge_mcl

@@ -27,7 +27,8 @@ void MomentStore::add(const ViewMoment& moment) {
     const Eigen::Vector3f p = pose.translation().cast<float>();
     s.particles.push_back({p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
   }
-  // The newest are shown next; all others would have to be prepared anew.
+  // The newest moments are shown next. Only they keep their prepared image; it is made again for
+  // older ones.
   constexpr size_t kPrepared = 4;
   if (moments_.size() >= kPrepared) moments_[moments_.size() - kPrepared].moment.prepared.reset();
   bytes_ += s.bytes();

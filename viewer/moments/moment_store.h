@@ -1,4 +1,4 @@
-/// Moments that were shown, to be shown again.
+/// Stores moments so that the viewer can show them again.
 #pragma once
 
 #include <cstdint>
@@ -9,24 +9,25 @@
 
 namespace edge_mcl {
 
-/// Pictures are kept compressed, and only as many as the memory allows: the oldest are forgotten
-/// first, with particles and depth. Poses and figures stay.
+/// Keeps images and masks compressed. When they need more than the allowed memory, the oldest
+/// moments lose image, mask, particles and depth points. Poses and figures of all moments stay.
 class MomentStore {
  public:
+  /// @param most_bytes limit of bytes(). The newest moment is kept in full even above it.
   explicit MomentStore(size_t most_bytes) : most_bytes_(most_bytes) {}
 
   void add(const ViewMoment& moment);
   size_t size() const { return moments_.size(); }
-  /// @throws Error beyond the end.
+  /// Returns moment number i, from 0 on. @throws Error when there is none.
   ViewMoment get(size_t i) const;
   LocalizerState stateOf(size_t i) const { return moments_[i].moment.state; }
   double timeOf(size_t i) const { return moments_[i].moment.time; }
-  /// Of what may be forgotten.
+  /// Memory of images, masks, particles and depth points, bytes.
   size_t bytes() const { return bytes_; }
 
  private:
   struct Stored {
-    ViewMoment moment;  // without what follows
+    ViewMoment moment;  // without image, mask and particles
     std::vector<uint8_t> image, mask;
     std::vector<std::array<float, 7>> particles;  // position and quaternion
     size_t bytes() const;

@@ -78,7 +78,8 @@ void RecordedPlayer::playOn() {
     const double step = store_.timeOf(position_ + 1) - store_.timeOf(position_);
     const double due = shown_at_ + std::clamp(step, 0.0, 1.0) / speed_;
     if (now < due) return;
-    // Late ones are left out, as long as they are there; but the clock does not run away.
+    // Moments that are overdue are skipped. When the player is more than 0.5 s behind, it continues
+    // from now instead of catching up.
     const bool behind = now - due > 0.5;
     show(position_ + 1);
     shown_at_ = behind ? now : due;
@@ -110,7 +111,7 @@ bool RecordedPlayer::poll(ViewMoment* moment, HistoryView* history, double strip
   fresh_ = false;
   *moment = store_.get(position_);
   if (!problem_.empty()) moment->problem = problem_;
-  // The history forgets its oldest moments; the store keeps all.
+  // The history drops its oldest moments, the store keeps all.
   const size_t forgotten = store_.size() - history_.size();
   *history = history_.view(position_ + 1 - std::min(position_ + 1, forgotten), strip_seconds);
   return true;

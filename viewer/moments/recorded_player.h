@@ -1,4 +1,4 @@
-/// A recording with a timeline: play, pause, back and forth, on to where it was lost.
+/// Plays a recording with a timeline: play, pause, seek, and a jump to where the robot is lost.
 #pragma once
 
 #include <condition_variable>
@@ -13,11 +13,12 @@
 
 namespace edge_mcl {
 
-/// Localizes in a thread of its own, a moment ahead of what is shown. What was localized once is
-/// shown again from memory.
+/// Localizes in a thread of its own, one moment ahead of the moment that is shown. Moments that
+/// were localized once are shown again from memory.
 class RecordedPlayer : public ViewSource {
  public:
-  /// @param loop begin again at the end.
+  /// @param loop true: playing begins again after the last moment. @param most_bytes memory for
+  /// stored moments, see MomentStore.
   RecordedPlayer(std::unique_ptr<RecordedView> view, bool loop, size_t most_bytes = 512U << 20);
   ~RecordedPlayer() override;
 
@@ -31,22 +32,22 @@ class RecordedPlayer : public ViewSource {
 
  private:
   void work();
-  bool isLostFirst(size_t i) const;  // and was not before
+  bool isLostFirst(size_t i) const;  // lost in moment i, but not in the one before
   void show(size_t position);
   void playOn();
 
   const size_t total_;
   const bool loop_;
-  std::unique_ptr<RecordedView> view_;  // of the worker
+  std::unique_ptr<RecordedView> view_;  // used by the worker only
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards all members below
   std::condition_variable changed_;
   MomentStore store_;
   ViewHistory history_;
   std::optional<PoseGaussian> new_pose_;
-  size_t position_ = 0, wanted_ = 1;  // localized so far at least
+  size_t position_ = 0, wanted_ = 1;  // moment shown; number of moments to localize
   bool finished_ = false, running_ = true, playing_ = true, fresh_ = false, hunting_ = false;
-  size_t hunted_ = 0;  // moments looked at
+  size_t hunted_ = 0;  // next moment that findLost() checks
   std::string problem_;
   double speed_ = 1;
   double shown_at_ = 0;  // wall clock, s

@@ -6,24 +6,12 @@
 namespace edge_mcl {
 
 RecordedView::RecordedView(std::shared_ptr<const LocalizationMap> map,
-                           std::unique_ptr<RecordedInput> input, std::optional<PoseGaussian> start,
-                           std::optional<Eigen::Vector3d> up_base, size_t max_particles)
-    : input_(std::move(input)),
-      localizer_(std::move(map)),
-      up_base_(std::move(up_base)),
-      max_particles_(max_particles) {
-  // As for every recording: it is tracked however little of the model is in the image.
-  TrackingParameters tracking = localizer_.tracking();
-  tracking.min_visible_samples = 0;
-  localizer_.setTracking(tracking);
-  if (start)
-    localizer_.setPose(*start);
-  else
-    localizer_.searchEverywhere();
-}
+                           std::unique_ptr<RecordedInput> input, const RecordedStart& start,
+                           size_t max_particles)
+    : localizer_(std::move(map), std::move(input), start), max_particles_(max_particles) {}
 
 std::optional<Pose> RecordedView::truthAt(double time) const {
-  const Trajectory& truth = input_->truth();
+  const Trajectory& truth = localizer_.recording().truth();
   constexpr double kSameMoment = 0.02;  // s
   const auto after = std::lower_bound(truth.begin(), truth.end(), time,
                                       [](const StampedPose& p, double t) { return p.time < t; });
@@ -38,17 +26,10 @@ std::optional<Pose> RecordedView::truthAt(double time) const {
 }
 
 bool RecordedView::next(ViewMoment* moment) {
-  LiveInput input;
-  std::string problem;
-  if (!input_->next(&input, &problem)) return false;
-  if (up_base_) {
-    input.up.emplace();
-    input.up->up_base = up_base_->normalized();
-    up_base_.reset();
-  }
-  const LiveResult result = localizer_.process(input);
-  *moment = momentOf(input, result, localizer_, truthAt(input.time), max_particles_);
-  if (!problem.empty()) moment->problem = problem;
+  if (!localizer_.next()) return false;
+  const LiveInput& input = localizer_.input();
+  *moment = momentOf(input, localizer_.result(), localizer_.localizer(), truthAt(input.time),
+                     max_particles_);
   if (!first_time_) first_time_ = input.time;
   moment->elapsed = input.time - *first_time_;
   return true;

@@ -75,7 +75,7 @@ ViewMoment momentOf(const LiveInput& input, const LiveResult& result,
       for (const Eigen::Vector3f& p : shownPoints(depth.image, depth.T_base_camera))
         m.depth_points.push_back(p);
     } catch (const Error&) {
-      continue;  // the localizer says what is wrong with it
+      continue;  // the localizer reports what is wrong with the depth image
     }
   m.effective_sample_size = result.report.effective_sample_size;
   m.match_ratio = result.match_ratio;

@@ -1,4 +1,4 @@
-/// One moment as the viewer shows it, whatever it comes from.
+/// Defines one moment as the viewer shows it, for recordings and live data.
 #pragma once
 
 #include <memory>
@@ -11,22 +11,24 @@
 
 namespace edge_mcl {
 
-/// Something that a detector found in the image.
+/// An object that a detector found in the image.
 struct ShownObject {
   std::string name;  ///< of its class
   float score = 0;
-  int track = -1;  ///< -1: not tracked
+  int track = -1;  ///< number of the track; -1: not tracked
   cv::Rect2f box;  ///< pixels
 };
 
-/// Where the time of an update went, ms.
+/// Times of the stages of an update, ms.
 struct UpdateTimes {
   static constexpr size_t kStages = 5;
+  /// Name of a stage for the viewer's legend.
   static const char* name(size_t stage);
   double stage[kStages] = {};  ///< image edges, score table, likelihood, refinement, search
   double total = 0;
 };
 
+/// All that the viewer shows of one moment.
 struct ViewMoment {
   double time = 0;     ///< s
   double elapsed = 0;  ///< s since the first moment
@@ -34,35 +36,36 @@ struct ViewMoment {
   std::string problem;  ///< one line; empty: none
   bool has_pose = false;
   PoseGaussian estimate;              ///< T_map_base
-  std::vector<Pose> particles;        ///< T_map_base; some of them, where there are very many
-  std::vector<float> weights;         ///< of these, largest 1; empty: all alike
-  size_t particle_count = 0;          ///< of the filter
-  std::vector<PoseCluster> clusters;  ///< while it searches
+  std::vector<Pose> particles;        ///< T_map_base; a part of them when there are very many
+  std::vector<float> weights;         ///< of `particles`, the largest is 1; empty: unknown
+  size_t particle_count = 0;          ///< number of all particles of the filter
+  std::vector<PoseCluster> clusters;  ///< hypotheses during a search
   std::optional<Pose> truth;          ///< T_map_base
 
-  bool has_camera = false;  ///< calibration and mounting are known
+  bool has_camera = false;  ///< whether calibration and extrinsics are known
   CameraModel camera;
   Pose T_base_camera = Pose::Identity();
-  cv::Mat image;                                  ///< as it came, see shownImage; empty: none
+  cv::Mat image;                                  ///< as received, see shownImage(); empty: none
   cv::Mat mask;                                   ///< CV_8U, non-zero: ignored; empty: none
-  std::shared_ptr<const PreparedImage> prepared;  ///< of the image; null: the viewer prepares it
+  std::shared_ptr<const PreparedImage> prepared;  ///< of the image; null: the viewer makes it
   std::vector<ShownObject> objects;
-  std::vector<Eigen::Vector3f> depth_points;  ///< base axes, m
+  std::vector<Eigen::Vector3f> depth_points;  ///< base frame, m
 
   double effective_sample_size = 0, match_ratio = 0;
   UpdateTimes times;
 };
 
-/// What a localizer made of an input. Particles beyond `max_particles` are thinned out.
+/// Makes a moment from the input and the result of a localizer. Particles are thinned out to at
+/// most `max_particles`. @param truth T_map_base.
 ViewMoment momentOf(const LiveInput& input, const LiveResult& result,
                     const LiveLocalizer& localizer, const std::optional<Pose>& truth,
                     size_t max_particles);
 
-/// An image as CV_8UC1 or CV_8UC3, whatever the localizer takes (16 bits, four channels); black
-/// where it is nothing of the kind.
+/// Converts an image of 8 or 16 bits with 1, 3 or 4 channels to CV_8UC1 or CV_8UC3. Any other image
+/// becomes black.
 cv::Mat shownImage(const cv::Mat& image);
 
-/// The points of a depth image, thinned out, in base axes.
+/// Returns up to 1500 points of a depth image, base frame, m.
 std::vector<Eigen::Vector3f> shownPoints(const DepthImage& image, const Pose& T_base_camera);
 
 }  // namespace edge_mcl

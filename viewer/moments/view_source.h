@@ -1,4 +1,4 @@
-/// Where the window's moments come from.
+/// Defines the interface through which the window gets its moments.
 #pragma once
 
 #include <optional>
@@ -8,29 +8,32 @@
 
 namespace edge_mcl {
 
-/// Of a recording; live there is none.
+/// Timeline of a recording. Live data have none.
 struct Timeline {
-  size_t position = 0;   ///< moment that is shown
-  size_t available = 0;  ///< moments that have been localized
-  size_t total = 0;
+  size_t position = 0;   ///< number of the moment that is shown
+  size_t available = 0;  ///< number of moments that are localized
+  size_t total = 0;      ///< number of all moments
   bool playing = false;
 };
 
-/// All methods are called by the window's thread.
+/// Source of moments. The window calls all methods from its own thread.
 class ViewSource {
  public:
   virtual ~ViewSource() = default;
 
-  /// What to show now. @return false when it has not changed since the last call.
+  /// Gives the moment to show now. @return false when it has not changed since the last call.
   virtual bool poll(ViewMoment* moment, HistoryView* history, double strip_seconds) = 0;
-  /// The robot is here (T_map_base); the localizer begins anew there.
+  /// Restarts the localizer at a pose (T_map_base) that the user gave.
   virtual void setPose(const PoseGaussian& pose) = 0;
 
   virtual std::optional<Timeline> timeline() const { return std::nullopt; }
+  /// Starts or pauses.
   virtual void play(bool) {}
+  /// Sets the speed as a multiple of the recording's own.
   virtual void setSpeed(double) {}
+  /// Shows the moment with this number.
   virtual void seek(size_t) {}
-  /// Forwards to where the robot is lost next, or to the end.
+  /// Goes to the next moment in which the robot becomes lost, or to the end.
   virtual void findLost() {}
 };
 

@@ -19,7 +19,7 @@ struct HeadlessView::Renderer {
 
 namespace {
 
-/// What an exception of MRPT's says, without where it was thrown.
+/// Returns the message of an MRPT exception without the place where it was thrown.
 std::string messageOf(const std::exception& e) {
   std::string text = e.what();
   const std::string label = "Message:";

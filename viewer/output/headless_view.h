@@ -1,4 +1,4 @@
-/// The window's picture without a window.
+/// Draws the picture of the viewer's window without a window.
 #pragma once
 
 #include <memory>
@@ -9,18 +9,19 @@
 
 namespace edge_mcl {
 
-/// Renders with EGL, in software where there is no graphics card. To be used by the thread that
-/// made it. The first picture's layout stays, whatever sizes images have later: MRPT keeps shaders
-/// and buffers per thread, so a scene cannot be drawn in a second renderer.
+/// Renders with EGL; without a graphics card it renders in software. Only the thread that made the
+/// object may use it. The layout of the first picture stays, even when later images have another
+/// size: MRPT keeps shaders and buffers per thread, so a second renderer cannot draw the scene.
 class HeadlessView {
  public:
-  /// @param map may be null; else it must outlive this object.
+  /// @param map may be null; otherwise it must outlive this object. @throws ParameterError
   HeadlessView(const LocalizationMap* map, const ViewParameters& params);
   ~HeadlessView();
 
-  /// @return CV_8UC3 of the parameters' size. @throws InputError when nothing can be rendered here.
+  /// Draws a moment. @return CV_8UC3 of the size that the parameters give. @throws InputError when
+  /// the machine cannot render, e.g. without EGL.
   cv::Mat draw(const ViewMoment& moment, const HistoryView& history);
-  /// A model that comes later. It must outlive this object.
+  /// Sets the model when it comes later. It must outlive this object.
   void setMap(const LocalizationMap* map);
   const SceneView& space() const { return space_; }
 

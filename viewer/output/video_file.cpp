@@ -28,7 +28,7 @@ void VideoFile::write(const cv::Mat& picture) {
 void VideoFile::close() {
   writer_->release();
   if (written_ == 0) return;
-  // The writer tells of no faults: only the file does.
+  // The writer reports no errors, so the number of pictures in the file is checked.
   const cv::VideoCapture video(file_, cv::CAP_FFMPEG);
   if (!video.isOpened() || video.get(cv::CAP_PROP_FRAME_COUNT) < written_)
     throw InputError(file_ + ": the video cannot be written in full (is the disk full?)");

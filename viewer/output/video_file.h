@@ -1,4 +1,4 @@
-/// Videos: written whole or not at all, and at their rate.
+/// Writes video files, checks that they are complete, and keeps them at their rate.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,19 @@ class VideoWriter;
 
 namespace edge_mcl {
 
+/// A video file that is being written with FFmpeg through OpenCV.
 class VideoFile {
  public:
-  /// @param codecs four characters each; the first that there is. @throws InputError when it cannot
-  /// be written.
+  /// @param codecs codes of four characters; the first one that is installed is used. @param rate
+  /// pictures per second. @throws InputError when the file cannot be written.
   VideoFile(std::string file, const std::vector<std::string>& codecs, double rate,
             const cv::Size& size);
   ~VideoFile();
 
   /// @param picture CV_8UC3 of the video's size.
   void write(const cv::Mat& picture);
-  /// @throws InputError when not all pictures are in the file, e.g. as the disk is full.
+  /// Completes the file. @throws InputError when the file does not hold all pictures, e.g. because
+  /// the disk is full.
   void close();
   const std::string& name() const { return file_; }
 
@@ -32,13 +34,13 @@ class VideoFile {
   int written_ = 0;
 };
 
-/// Keeps a video at its rate, however often there are pictures.
+/// Keeps a video at its rate when pictures come at irregular times.
 class VideoPace {
  public:
-  /// @param begin s; of the first picture.
+  /// @param rate pictures per second of the video. @param begin time of the first picture, s.
   VideoPace(double rate, double begin) : rate_(rate), begin_(begin) {}
-  /// How often a picture must be written for the video to be as long as it took; after a long pause
-  /// fewer, so that the video has the pause shortened.
+  /// Returns how many copies of the picture of now (s) to write, so that the video lasts as long as
+  /// the recording. The number is at most 250, so a long pause is shorter in the video.
   int copiesAt(double now);
 
  private:

@@ -19,7 +19,7 @@ bool endsWith(const std::string& text, const std::string& ending) {
 }
 
 std::vector<std::string> codecsFor(const std::string& file) {
-  // H.264, which browsers play, where the encoder is there.
+  // H.264 first, because browsers play it; it needs an installed encoder.
   if (endsWith(file, ".mp4")) return {"avc1", "mp4v"};
   if (endsWith(file, ".avi")) return {"MJPG"};
   throw ParameterError(file + ": .mp4 or .avi expected");

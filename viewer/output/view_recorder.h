@@ -1,4 +1,4 @@
-/// Writes what the viewer shows: a video, pictures.
+/// Writes the viewer's picture to a video and to picture files.
 #pragma once
 
 #include <map>
@@ -10,34 +10,39 @@
 
 namespace edge_mcl {
 
-/// What is written, and when.
+/// Which files the recorder writes, and when.
 struct RecorderOptions {
   std::string video;       ///< .mp4 or .avi; empty: none
   double video_rate = 10;  ///< pictures per second of the video
-  std::string pictures;    ///< begin of the pictures' names: BEGIN-1.png, ...; empty: none
-  std::vector<double> at;  ///< s since the first moment, increasing; empty: the last moment
+  std::string pictures;    ///< begin of the file names: BEGIN-1.png, ...; empty: no pictures
+  std::vector<double> at;  ///< times of the pictures, s since the first moment, increasing; empty:
+                           ///< one picture of the last moment
 };
 
 class VideoFile;
 
+/// Draws moments without a window and writes them.
 class ViewRecorder {
  public:
-  /// @throws InputError when the video cannot be written; ParameterError for a bad rate, an order
-  /// or a kind of file.
+  /// @param map may be null; otherwise it must outlive this object. @throws InputError when the
+  /// video cannot be written; ParameterError for a bad rate, times that do not increase or an
+  /// unknown kind of file.
   ViewRecorder(const LocalizationMap* map, const ViewParameters& params, RecorderOptions options);
   ~ViewRecorder();
 
-  /// @throws InputError when something cannot be written.
+  /// Adds a moment, and draws and writes it when it is wanted. @throws InputError when a file
+  /// cannot be written.
   void show(const ViewMoment& moment);
-  /// A model that comes later. It must outlive this object.
+  /// Sets the model when it comes later. It must outlive this object.
   void setMap(const LocalizationMap* map) { view_.setMap(map); }
-  /// Whether this moment would be in a picture or the video.
+  /// Whether this moment goes into a picture or the video.
   bool wants(const ViewMoment& moment) const;
-  /// Completes the video, and writes the pictures that were not due yet, of the last moment.
-  /// @throws InputError when not all of it could be written.
+  /// Completes the video. Pictures that were not due yet are written now and show the last moment.
+  /// @throws InputError when a file could not be written in full.
   void close();
+  /// Names of all files written.
   const std::vector<std::string>& written() const { return written_; }
-  /// One line: moments, states, error where the truth is known.
+  /// One line of text: number of moments, states, and the error if ground truth is known.
   std::string summary() const;
 
  private:

@@ -9,16 +9,18 @@ namespace edge_mcl {
 
 namespace {
 
-/// Light from above and aside; both sides of a face alike, as meshes are wound either way.
+/// Shades a colour with light from above and from the side. Both sides of a face look alike,
+/// because the winding of meshes is not reliable.
 Eigen::Vector3f shaded(const Eigen::Vector3f& color, const Eigen::Vector3f& normal) {
   const Eigen::Vector3f light = Eigen::Vector3f(0.35F, 0.5F, 0.8F).normalized();
   const float brightness = 0.72F + 0.28F * std::abs(normal.dot(light));
-  // Pale, so that what is drawn in it stands out.
+  // The model is pale, so that particles and paths in it stand out.
   const Eigen::Vector3f pale = 0.4F * color + Eigen::Vector3f::Constant(0.6F);
   return brightness * pale;
 }
 
-/// Part of a triangle below a height: a polygon of up to four corners (Sutherland and Hodgman).
+/// Cuts a triangle at a height and keeps the lower part: a polygon of up to four corners
+/// (Sutherland and Hodgman). @return number of corners.
 size_t clipBelow(const std::array<Eigen::Vector3f, 3>& in, float height,
                  std::array<Eigen::Vector3f, 4>* out) {
   size_t count = 0;

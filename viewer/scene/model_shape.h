@@ -1,5 +1,4 @@
-/// The model as triangles and lines to draw, with all that is above a height left out: one looks
-/// into a building from above.
+/// Cuts the model at a height, so that one can look into a building from above.
 #pragma once
 
 #include <array>
@@ -10,19 +9,22 @@
 
 namespace edge_mcl {
 
+/// Triangles and lines to draw, map frame, m.
 struct ModelShape {
   struct Triangle {
     std::array<Eigen::Vector3f, 3> corners;
-    Eigen::Vector3f color;  ///< red, green, blue, 0 to 1; shaded
+    Eigen::Vector3f color;  ///< red, green, blue, 0 to 1; already shaded
   };
   std::vector<Triangle> triangles;
   std::vector<std::array<Eigen::Vector3f, 2>> lines;  ///< feature edges, without contours
 };
 
-/// What is below `height` (map, m); triangles and lines that reach above it are cut there.
+/// Returns the part of the model below `height` (map, m). Triangles and lines that reach above the
+/// height are cut.
 ModelShape shapeBelow(const MeshModel& mesh, const EdgeModel& edges, float height);
 
-/// Where a ray first meets the shape. @return false: nowhere. @param direction of any length.
+/// Finds the first point where a ray meets the shape. @param origin map, m. @param direction map
+/// axes, of any length. @param hit map, m. @return false when the ray meets nothing.
 bool firstHit(const ModelShape& shape, const Eigen::Vector3f& origin,
               const Eigen::Vector3f& direction, Eigen::Vector3f* hit);
 

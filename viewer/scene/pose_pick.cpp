@@ -11,13 +11,15 @@ PoseGaussian poseFromPick(const ViewMoment& m, const Eigen::Vector3d& pressed,
   PoseGaussian result;
   const Eigen::Vector3d towards = released - pressed;
   Eigen::Matrix3d now = Eigen::Matrix3d::Identity();
-  // A base whose z is the camera's axis is itself an optical frame: level it looks at the ceiling.
+  // A base whose z axis is the optical axis is itself an optical frame. Level, it would look at the
+  // ceiling.
   constexpr double kSteep = 0.7;
   if (m.has_pose)
     now = m.estimate.mean.linear();
   else if (m.has_camera && m.T_base_camera.linear()(2, 2) > kSteep)
     now = opticalOnBody().linear() * m.T_base_camera.linear().transpose();
-  // Where the camera looks, over the ground; the base itself may have any axes.
+  // The heading is the direction of the optical axis over the ground, because the base may have any
+  // axes.
   const Eigen::Vector3d view = now * m.T_base_camera.linear().col(2);
   double turn = 0;
   if (towards.head<2>().norm() > kClick)

@@ -1,4 +1,4 @@
-/// A pose of the robot from two points that the user showed on the model.
+/// Makes a pose of the robot from two points that the user clicked on the model.
 #pragma once
 
 #include "edge_mcl/core/base/se3.h"
@@ -6,9 +6,11 @@
 
 namespace edge_mcl {
 
-/// Above the point where the mouse was pressed, as high above it as people and robots look about,
-/// heading to where it was let go. Pressed and let go at one place: the heading stays.
-/// @param moment for what is kept. The result is uncertain by half a metre and 15 degrees.
+/// Returns a pose (T_map_base) 1.2 m above the point where the mouse button was pressed. The camera
+/// heads to the point where the button was released. When the points are less than 0.15 m apart on
+/// the ground, the heading stays. The standard deviations are 0.5 m and 15 degrees per axis.
+/// @param moment gives the present attitude, which is kept apart from the heading.
+/// @param pressed, released map, m.
 PoseGaussian poseFromPick(const ViewMoment& moment, const Eigen::Vector3d& pressed,
                           const Eigen::Vector3d& released);
 

@@ -65,7 +65,7 @@ struct SceneView::Objects {
 SceneView::SceneView(const LocalizationMap* map, const ViewParameters& params)
     : params_(params), scene_(COpenGLScene::Create()), objects_(std::make_unique<Objects>()) {
   Objects& o = *objects_;
-  o.faces->enableLight(false);  // shaded already, see ModelShape
+  o.faces->enableLight(false);  // ModelShape has already shaded them
   o.particles->setPointSize(3);
   o.depth->setPointSize(2);
   o.depth->setColor_u8(toColor(view_colors::kDepth));
@@ -73,7 +73,7 @@ SceneView::SceneView(const LocalizationMap* map, const ViewParameters& params)
   o.covariance->setColor_u8(toColor(view_colors::kCovariance));
   o.covariance->enableDrawSolid3D(false);
   o.covariance->setLineWidth(1.5F);
-  // Lines are drawn before faces: smoothed, they would keep what was behind them.
+  // Lines are drawn before faces. Smoothed lines would keep the background at their borders.
   o.covariance->enableAntiAliasing(false);
   o.picture->CRenderizableShaderTexturedTriangles::enableLight(false);
   o.picture->CRenderizableShaderTriangles::enableLight(false);
@@ -144,7 +144,8 @@ void SceneView::cutFor(const ViewMoment& m) {
     height = m.has_pose ? static_cast<float>((m.estimate.mean * m.T_base_camera).translation().z() +
                                              params_.cut_above)
                         : map_->mesh().lowest.z() + kWithoutPose;
-    constexpr float kUnsteady = 0.4F;  // m; a cut that moves with every image is hard to look at
+    constexpr float kUnsteady =
+        0.4F;  // m; the cut stays for smaller changes, because a moving cut is hard to look at
     if (height_ && std::abs(height - *height_) < kUnsteady) return;
   } else if (height_) {
     return;
@@ -167,7 +168,7 @@ void SceneView::showCamera(const ViewMoment& m, const Pose& T_map_camera) {
     o.frustum->appendLine(a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
   }
   if (m.image.empty()) return;
-  // The plane's own axes: x to the right, y up.
+  // The axes of the plane are x to the right and y up.
   Pose plane = T_map_camera * Eigen::Translation3d(0, 0, depth) *
                Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
   o.picture->setPose(toMrpt(plane));
@@ -189,7 +190,7 @@ void SceneView::showCamera(const ViewMoment& m, const Pose& T_map_camera) {
 void SceneView::showPoses(const ViewMoment& m, const HistoryView& history) {
   Objects& o = *objects_;
   o.particles->clear();
-  // The best last, over the others.
+  // The particles with the largest weights are drawn last, so that they lie on top.
   const bool weighted = m.weights.size() == m.particles.size();
   std::vector<size_t> order(m.particles.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -209,7 +210,7 @@ void SceneView::showPoses(const ViewMoment& m, const HistoryView& history) {
     const Eigen::Isometry3f to_map = m.estimate.mean.cast<float>();
     for (const Eigen::Vector3f& point : m.depth_points) {
       const Eigen::Vector3f p = to_map * point;
-      // Floats above the walls, as those are cut.
+      // The walls are cut at this height, so a point above it would float in the air.
       if (height_ && p.z() > *height_) continue;
       o.depth->insertPoint(p.x(), p.y(), p.z());
     }
@@ -256,7 +257,7 @@ double SceneView::distanceSeen(const ViewMoment& m, const Pose& T_map_camera) co
     if (m.camera.project(p, &pixel) && m.camera.contains(pixel)) distances.push_back(p.norm());
   }
   if (distances.empty()) return kUnknown;
-  // The nearer part: the rest is behind walls, as a rule.
+  // The 30 % quantile, because the farther segments are usually behind walls.
   const auto nearer =
       distances.begin() + static_cast<long>(0.3 * static_cast<double>(distances.size()));
   std::nth_element(distances.begin(), nearer, distances.end());
@@ -270,14 +271,14 @@ void SceneView::look(const ViewMoment& m) {
   Eigen::Vector3d wanted = (low + high) / 2;
   double distance = 1.3 * std::max(0.05, (high - low).norm());
   if (m.has_pose && params_.follow) {
-    // Between the camera and what it sees.
+    // The focus lies between the camera and what it sees.
     const Pose camera = m.estimate.mean * m.T_base_camera;
     const double seen = distanceSeen(m, camera);
     constexpr double kNearest = 0.3, kFarthest = 9;  // m
     distance = std::clamp(3.5 * seen, kNearest, kFarthest);
     wanted = camera.translation() + 0.12 * distance * camera.linear().col(2);
   }
-  // Slowly, but for jumps and at the begin.
+  // The focus moves slowly, except at the start and when the pose jumps.
   const bool jump = !has_focus_ || (wanted - focus_).norm() > 0.3 * distance;
   const double share = jump ? 1 : 0.1;
   focus_ += share * (wanted - focus_);

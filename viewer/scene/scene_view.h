@@ -1,4 +1,4 @@
-/// The model and what the localizer knows, as an MRPT scene.
+/// Shows the model, the particles and the pose as an MRPT scene.
 #pragma once
 
 #include <mrpt/opengl/CCamera.h>
@@ -13,27 +13,30 @@
 
 namespace edge_mcl {
 
+/// The 3D scene of the viewer.
 class SceneView {
  public:
-  /// @param map may be null: then there is no model to see. It must outlive this object.
+  /// @param map may be null: then the scene has no model. It must outlive this object.
   SceneView(const LocalizationMap* map, const ViewParameters& params);
   ~SceneView();
 
-  /// A model that comes later. It must outlive this object.
+  /// Sets the model when it comes later. It must outlive this object.
   void setMap(const LocalizationMap* map);
   /// Changes how the model is shown.
   void setParameters(const ViewParameters& params);
+  /// Shows a moment.
   void update(const ViewMoment& moment, const HistoryView& history);
-  /// The picture in the camera's frustum is changed at most once in so many seconds (else with
-  /// every moment): each takes a new texture, of which MRPT keeps a record for ever.
+  /// Limits how often the camera image in the frustum changes. Without a limit it changes with
+  /// every moment. Every change takes a new texture, and MRPT never frees its record of a texture.
+  /// @param period shortest time between two changes, s.
   void limitPictures(double period) { picture_period_ = period; }
 
   const mrpt::opengl::COpenGLScene::Ptr& scene() const { return scene_; }
-  /// From where one looks by the parameters.
+  /// Viewpoint that follows from the parameters and the pose.
   mrpt::opengl::CCamera camera() const;
-  /// What is shown of the model.
+  /// Part of the model that is shown.
   const ModelShape& shape() const { return shape_; }
-  /// Vertical field of view.
+  /// Vertical field of view, deg.
   static constexpr double kFieldOfViewDeg = 45;
 
  private:
@@ -44,18 +47,18 @@ class SceneView {
   void showCamera(const ViewMoment& moment, const Pose& T_map_camera);
   double distanceSeen(const ViewMoment& moment, const Pose& T_map_camera) const;
   void look(const ViewMoment& moment);
-  bool isSmall() const;  // an object, not a building
+  bool isSmall() const;  // whether the model is an object and not a building
 
   const LocalizationMap* map_ = nullptr;
   ViewParameters params_;
   mrpt::opengl::COpenGLScene::Ptr scene_;
   std::unique_ptr<Objects> objects_;
   ModelShape shape_;
-  std::optional<float> height_;  // at which it is cut
+  std::optional<float> height_;  // map z at which the model is cut, m
   Eigen::Vector3d focus_ = Eigen::Vector3d::Zero();
-  double distance_ = 10;  // from it
+  double distance_ = 10;  // of the viewpoint from the focus, m
   bool has_focus_ = false;
-  double picture_period_ = 0, picture_at_ = -1e9;  // s; steady clock
+  double picture_period_ = 0, picture_at_ = -1e9;  // s, steady clock
 };
 
 }  // namespace edge_mcl

@@ -24,7 +24,7 @@ void BlittedPicture::draw(int window_height) {
     if (loaded_ != picture_.size()) {
       glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, picture_.cols, picture_.rows, 0, GL_BGR,
                    GL_UNSIGNED_BYTE, picture_.data);
-      // Without smaller copies of itself it must not ask for them.
+      // The texture has no mipmaps, so the filter must not use them.
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
       loaded_ = picture_.size();
     } else {
@@ -39,7 +39,7 @@ void BlittedPicture::draw(int window_height) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
   glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
   glDisable(GL_SCISSOR_TEST);
-  // Rows of pictures go down, those of the window up.
+  // The rows of a picture go down, the rows of the window go up.
   const int top = window_height - area_.y, bottom = top - area_.height;
   glBlitFramebuffer(0, 0, picture_.cols, picture_.rows, area_.x, top, area_.x + area_.width, bottom,
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);

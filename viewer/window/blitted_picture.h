@@ -1,20 +1,21 @@
-/// A picture in a window of OpenGL's, without MRPT's textures.
+/// Draws a picture into an OpenGL window without the textures of MRPT.
 #pragma once
 
 #include <opencv2/core.hpp>
 
 namespace edge_mcl {
 
-/// One texture, filled again for every new picture and copied into the window. MRPT makes a new
-/// texture for every image that it is given and keeps a record of each for ever (2.5.8), which
-/// adds up where images change thirty times a second.
+/// Uses one texture, fills it again for every new picture and copies it into the window. MRPT 2.5.8
+/// would make a new texture for every image and would never free its record of it. Images change
+/// about 30 times per second, so these records would add up.
 ///
-/// All methods but the constructor need the window's OpenGL context; what it holds goes with that.
+/// draw() needs the window's OpenGL context. The texture ends with this context.
 class BlittedPicture {
  public:
-  /// Shown from the next draw() on. @param picture CV_8UC3 (blue, green, red); empty: nothing.
+  /// Sets the picture for the next draw(). @param picture CV_8UC3 (blue, green, red) of the area's
+  /// size; empty: nothing is drawn. @param area pixels of the window, from its top left.
   void set(const cv::Mat& picture, const cv::Rect& area);
-  /// @param window_height pixels; areas count from the top.
+  /// Draws the picture. @param window_height pixels.
   void draw(int window_height);
 
  private:

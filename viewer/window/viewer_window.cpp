@@ -27,7 +27,7 @@ double wallClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// edge_mcl-1.png etc., the first that is free.
+/// Returns the first unused name of edge_mcl-1.png, edge_mcl-2.png and so on.
 std::string freeName(const std::string& ending) {
   for (int k = 1;; ++k) {
     std::string name = "edge_mcl-" + std::to_string(k) + ending;
@@ -39,7 +39,7 @@ constexpr double kVideoRate = 25;
 
 }  // namespace
 
-/// The 3D scene fills a part of MRPT's window, pictures the rest.
+/// MRPT's window. The 3D scene fills a part of it, pictures fill the rest.
 class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
  public:
   Window(const LocalizationMap* map, const ViewParameters& params, ViewSource* source,
@@ -137,7 +137,7 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
       nanogui::leave();
       return;
     }
-    // A little more often than the screen is drawn.
+    // s; the window refreshes a little more often than the screen is drawn.
     constexpr double kPeriod = 0.03;
     if (wallClock() - refreshed_at_ < kPeriod) return;
     refreshed_at_ = wallClock();
@@ -161,7 +161,7 @@ class ViewerWindow::Window : public mrpt::gui::CDisplayWindowGUI {
     edges_.set(drawEdgePanel(moment_, map_, params_, layout.edges.size()), layout.edges);
     masks_.set(drawMaskPanel(moment_, layout.masks.size()), layout.masks);
     const mrpt::opengl::CCamera wanted = space_.camera();
-    // The user turns and zooms; what is looked at follows the robot.
+    // The user turns and zooms the camera. Only its focus follows the robot.
     if (params_.follow || !has_looked_)
       camera().setCameraPointing(wanted.getPointingAtX(), wanted.getPointingAtY(),
                                  wanted.getPointingAtZ());
@@ -262,7 +262,7 @@ ViewerWindow::~ViewerWindow() {
 void ViewerWindow::setMap(const LocalizationMap* map) { window_->setMap(map); }
 
 WindowReport ViewerWindow::run(const std::function<bool()>& keep_on, const std::string& picture) {
-  // The toolkit counts from the end of a frame to the begin of the next.
+  // The toolkit waits this long from the end of a frame to the begin of the next one.
   constexpr int kIdle = 5, kRepaint = 15;  // ms
   window_->keep_on = keep_on;
   nanogui::mainloop(kIdle, kRepaint);

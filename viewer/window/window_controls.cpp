@@ -37,10 +37,11 @@ void WindowControls::addTimeline(nanogui::Screen* screen) {
     b->setCallback(action);
     return b;
   };
-  button(ENTYPO_ICON_CONTROLLER_JUMP_TO_START, "one back (left)", [this] { step(-1); });
+  button(ENTYPO_ICON_CONTROLLER_JUMP_TO_START, "one image back (left)", [this] { step(-1); });
   play_ = button(ENTYPO_ICON_CONTROLLER_PLAY, "play, pause (space)", [this] { togglePlay(); });
-  button(ENTYPO_ICON_CONTROLLER_NEXT, "one on (right)", [this] { step(1); });
-  button(ENTYPO_ICON_HELP, "on to where it is lost (L)", [this] { source_->findLost(); });
+  button(ENTYPO_ICON_CONTROLLER_NEXT, "next image (right)", [this] { step(1); });
+  button(ENTYPO_ICON_HELP, "go to where the robot is lost next (L)",
+         [this] { source_->findLost(); });
   slider_ = window->add<nanogui::Slider>();
   slider_->setFixedWidth(220);
   slider_->setCallback([this](float share) {

@@ -1,4 +1,4 @@
-/// The buttons and switches of the viewer's window.
+/// Makes the buttons and switches of the viewer's window.
 #pragma once
 
 #include <mrpt/gui/CDisplayWindowGUI.h>
@@ -10,22 +10,23 @@
 
 namespace edge_mcl {
 
-/// What the user asks of the window itself.
+/// Requests of the user to the window itself.
 struct WindowRequests {
-  bool picture = false;  ///< save one
-  bool video = false;    ///< record while it is set
-  bool changed = false;  ///< a parameter
+  bool picture = false;  ///< save a picture
+  bool video = false;    ///< record a video while this is true
+  bool changed = false;  ///< a parameter has changed
 };
 
+/// Buttons, switches and keys of the window.
 class WindowControls {
  public:
-  /// All must outlive this object; the widgets belong to the screen.
+  /// All arguments must outlive this object. The widgets belong to the screen.
   WindowControls(nanogui::Screen* screen, ViewSource* source, ViewParameters* params,
                  WindowRequests* requests);
 
-  /// Shows where the timeline is.
+  /// Shows the present position of the timeline.
   void update();
-  /// The usual keys: space, arrows, L, P, V. @return false: not one of these.
+  /// Handles the keys space, left, right, L, P and V. @return false for any other key.
   bool key(int key);
 
  private:
