@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The command line tool where it must not go on as if nothing were amiss: options that contradict each
-other, outputs that cannot be written, recordings of which a part is missing.
+"""Faults that the command line tool must report: options that contradict each other, outputs that
+cannot be written, recordings of which a part is missing.
 
 usage: command_faults.py EDGE_MCL SOURCE_DIRECTORY
 """
@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 
-sys.dont_write_bytecode = True  # of the file beside this one
+sys.dont_write_bytecode = True  # no .pyc of command_line.py in the source directory
 from command_line import (INCOMPLETE, INPUT, OK, USAGE, Cases, add_mask, check, failures, make_sequence,
                           pgm, truncate_image, write)
 
@@ -36,7 +36,7 @@ def expect(c, name, status, words, *arguments):
 def sequence_in(c, name):
     path = os.path.join(c.folder, name)
     make_sequence(path)
-    # At rest, by odometry and truth.
+    # Odometry and ground truth say that the camera is at rest.
     still = ''.join('%.2f 0 0 0 0 0 0 1\n' % (0.1 * i) for i in range(5))
     write(os.path.join(path, 'odometry.txt'), still)
     write(os.path.join(path, 'groundtruth.txt'), still)
@@ -88,7 +88,7 @@ def rawlogs(c, source):
     check(content(rawlog) == before and not os.path.exists(rawlog + '.part'), 'it is as it was')
     est = os.path.join(c.folder, 'recorded.txt')
     localize = ('localize', rawlog, '--model', os.path.join(sequence, 'model.obj'), '--out', est, *ORIGIN,
-                '--set', 'tracking.min_visible_samples=0')  # a box shows few
+                '--set', 'tracking.min_visible_samples=0')  # a square has few samples
     r = expect(c, 'localize a rawlog', OK, (), *localize)
     check('of 5 images with truth' in r.stdout, 'the share is that of poses: ' + r.stdout)
     r = expect(c, 'localize a rawlog --json', OK, (), *localize, '--json')
@@ -101,7 +101,7 @@ def rawlogs(c, source):
         f.truncate(len(before) * 3 // 4)
     r = expect(c, 'a cut rawlog', INCOMPLETE, ('cut off after',), *localize)
     check(re.search('cut off after [1-4] images', r.stderr), 'and says where: ' + r.stderr)
-    # What a rawlog does not hold need not be readable.
+    # A rawlog holds no depth images, so a broken list of them does no harm.
     write(os.path.join(sequence, 'depth.txt'), '0.00 depth/none.png\n')
     expect(c, 'a rawlog of a sequence with broken depth', OK, (), 'rawlog', sequence, rawlog + '2.rawlog')
     bag = os.path.join(c.folder, 'recorded.bag')
@@ -139,7 +139,7 @@ def evaluation(c, source):
     r = expect(c, 'poses of another time', INCOMPLETE, (), 'evaluate', est, reference)
     check(' 0 matched' in r.stdout and r.stdout.count('\n') == 1, 'have no errors: ' + r.stdout)
     r = expect(c, 'the same as JSON', INCOMPLETE, (), 'evaluate', est, reference, '--json')
-    check(json.loads(r.stdout) == {'reference_poses': 100, 'matched': 0}, 'likewise: ' + r.stdout)
+    check(json.loads(r.stdout) == {'reference_poses': 100, 'matched': 0}, 'have none as JSON: ' + r.stdout)
 
 
 def missing_images(c, source):
@@ -184,7 +184,7 @@ def comparison(c, source):
     text = text.replace('small_camera.yaml', os.path.join(data, 'small_camera.yaml'))
     write(scenario, text.replace('seed:', 'sead:'))
     expect(c, 'a scenario with a slip', INPUT, ('sead',), *compare('compared', '--flight', scenario))
-    write(scenario, text)  # mended, it is not another one
+    write(scenario, text)  # the mended scenario is not taken for another one
     flights = compare('compared', '--flight', scenario, '--budget-ms', '20', '--core', core)
     expect(c, 'compare', OK, (), *flights)
     made_by = content(os.path.join(c.folder, 'compared', 'comparison.md')).decode().splitlines()[4]
@@ -207,7 +207,7 @@ def comparison(c, source):
 
 
 def detection(c, source):
-    """What detect reads it does not overwrite; what it cannot read it says, and goes on."""
+    """`detect` must not overwrite its inputs. It reports inputs that it cannot read, and goes on."""
     def refused(name, words, *arguments):
         r = c.run('detect', *arguments)
         check(r.returncode == USAGE and all(w in r.stderr for w in words) and 'Traceback' not in r.stderr,
@@ -216,7 +216,7 @@ def detection(c, source):
     photos, more, out = (os.path.join(folder, name) for name in ('photos', 'more', 'out'))
     os.makedirs(photos)
     os.makedirs(more)
-    # What kind of picture it is is told from its content.
+    # The kind of a picture file is recognized by its content.
     photo, same_stem, same_name = (os.path.join(photos, 'a.png'), os.path.join(photos, 'a.pgm'),
                                    os.path.join(more, 'a.png'))
     for path in (photo, same_stem, same_name):
@@ -246,7 +246,7 @@ def detection(c, source):
     refused("upon the sequence's own masks", ['mask.txt', 'input'], sequence, '--out', sequence)
     check(content(masks) == before, 'the list of masks is as it was')
     refused('a delay without a rate', ['--rate'], sequence, '--delay', '1')
-    # Of 16 bits, all of them small: whatever is found, it is not the whole image.
+    # The mask has 16 bits and small values, and covers the whole image. The detections do not.
     mask = os.path.join(sequence, 'mask', '0.pgm')
     with open(mask, 'wb') as f:
         f.write(b'P5\n160 120\n65535\n' + b'\0\1' * (160 * 120))

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The command line tool with good and bad input: one clear line, the right exit code, partial
-output kept. Needs nothing but the tool: it makes its own sequence.
+"""The command line tool with good and bad input. Bad input gives one clear line and the right exit
+code, and partial output is kept. The test makes its own sequence.
 
 usage: command_line.py EDGE_MCL SOURCE_DIRECTORY
 """
@@ -28,7 +28,7 @@ def write(path, text):
 
 
 def pgm(path, shift):
-    """A bright square on dark ground, as the cube below looks from 0.5 m."""
+    """Writes a bright square on dark ground: the model of make_sequence(), seen from 0.5 m."""
     width, height, rows = 160, 120, []
     for y in range(height):
         rows.append(bytes(190 if abs(x - 80 - shift) < 30 and abs(y - 60) < 30 else 60
@@ -63,7 +63,10 @@ class Cases:
         return subprocess.run([self.tool, *arguments], capture_output=True, text=True, timeout=120)
 
     def case(self, name, status, words, change=None, arguments=(), out=None, most_lines=1):
-        """A fresh sequence, changed by `change`, must end with `status` and name `words`."""
+        """Localizes a new sequence that `change` has changed.
+
+        It must end with `status` and lines that name `words`. @return number of poses written
+        """
         self.number += 1
         sequence = os.path.join(self.folder, 'case%d' % self.number)
         make_sequence(sequence)
@@ -135,12 +138,12 @@ def bad_input(c):
     c.case('illegal parameter', USAGE, ['likelihood.sigma', 'image.edge_share'], None,
            ['--set', 'likelihood.sigma=-1', '--set', 'image.edge_share=2'])
     c.case('unwritable output', INPUT, ['cannot be written'], out='/no/such/dir/x')
-    # Faults in the middle: reported, skipped, pose predicted, every line written.
+    # A faulty image in the middle is reported and skipped. Its pose is predicted and written.
     written = c.case('truncated image', INCOMPLETE, ['2.pgm'], truncate_image)
     check(written == 5, 'truncated image: %d of 5 poses written' % written)
     written = c.case('missing image', INCOMPLETE, ['3.pgm'], remove('rgb/3.pgm'))
     check(written == 5, 'missing image: %d of 5 poses written' % written)
-    # One line says that the other images have none.
+    # A second line says that the other images have no mask.
     c.case('mask of another size', INCOMPLETE, ['16x12'], add_mask(16, 12), most_lines=2)
     written = c.case('time goes back', OK, ['time goes back'], replace('rgb.txt', '0.20', '0.05'))
     check(written == 4, 'time goes back: %d of 4 poses written' % written)
@@ -163,8 +166,8 @@ def other_commands(c, source):
           'overlays and plot are written')
     with open(est) as f:
         last = [float(x) for x in f.read().splitlines()[-1].split()]
-    # The square's sides fix the pose to a fraction of a pixel: 0.5 px are 1.7 mm here; the depth
-    # and the tilts are weaker.
+    # The sides of the square fix the pose to a fraction of a pixel; 0.5 px are 1.7 mm here. Depth and
+    # tilt are known less well.
     check(all(abs(x) < 0.02 for x in last[1:4]), 'pose of the square: %s' % last[1:4])
     r = c.run('evaluate', est, est, '--json')
     check(r.returncode == OK and json.loads(r.stdout)['success_share_of_matched'] == 1, 'evaluate with itself')
@@ -240,7 +243,7 @@ def search(c, source):
     sequence = os.path.join(c.folder, 'good')
     r = c.run('localize', sequence, '--up', 'north', '--out', os.path.join(c.folder, 'est.txt'))
     check(r.returncode == USAGE and '--up' in r.stderr, 'localize --up north')
-    # A single square in front of the camera, no motion: a place is not told from others by that.
+    # The camera stands still in front of a single square. This cannot tell one place from others.
     est, stats = os.path.join(c.folder, 'global.txt'), os.path.join(c.folder, 'global.json')
     r = c.run('localize', sequence, '--up', '0,-1,0', '--out', est, '--stats', stats,
               '--set', 'search.clearance=0', '--set', 'search.place_spacing=0.1')
@@ -279,7 +282,7 @@ def simulator(c, source):
 
 
 def detector(c, source):
-    """Masks of a flight, used by localize; pictures; wrong options."""
+    """Tests `detect`: masks of a flight that `localize` uses, pictures, wrong options."""
     flight = os.path.join(c.folder, 'masked_flight')
     r = c.run('simulate', os.path.join(source, 'test', 'data', 'small_flight.yaml'), flight,
               '--images', '12')
@@ -289,7 +292,7 @@ def detector(c, source):
               '--json')
     check(r.returncode == OK, 'detect: ' + r.stderr)
     report = json.loads(r.stdout)
-    # Twelve images at 15 Hz, the network on every third.
+    # The flight has twelve images at 15 Hz. At 5 Hz the network runs on every third one.
     check(report['summary']['images'] == 12 and report['summary']['network_runs'] == 4,
           'the network keeps to its rate: %s' % report['summary'])
     check(0 <= report['summary']['mask_iou_mean'] <= 1, 'compared with the true masks')
@@ -324,8 +327,8 @@ def comparison(c, source):
     r = c.run(*call)
     check(r.returncode == OK, 'compare: ' + r.stderr)
     runs = sorted(os.listdir(os.path.join(out, 'runs')))
-    # Two filters with two numbers of particles and the number that fits into the time, which may take
-    # two steps to find; one without.
+    # Two filters run with 60 and with 12 particles, and with the number that fits into the time, which
+    # may take two runs to find. Dead reckoning runs once.
     check(5 <= len(runs) <= 9, 'every run is kept: %s' % runs)
     with open(os.path.join(out, 'comparison.md')) as report:
         text = report.read()
@@ -357,7 +360,7 @@ def comparison(c, source):
 
 
 def replaced_program(c, source):
-    """A library that is built anew while the comparison runs is no fault of what is compared."""
+    """When a library is built anew during a comparison, the methods must not be blamed for it."""
     libraries = os.path.join(c.folder, 'libraries')
     os.makedirs(libraries)
     name = 'libedge_mcl_core.so.0'

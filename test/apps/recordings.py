@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Localizes real and public recordings with fixed seeds and checks the errors.
+"""Localizes real and public recordings with fixed seeds and checks their errors.
 
 usage: recordings.py EDGE_MCL DATA_DIRECTORY SOURCE_DIRECTORY
 
-Limits are those that the project promises (README); figures are printed. Recordings that are not
-there are SKIPPED by name; exit code 77 when none is there.
+The limits are the ones that README promises. The figures are printed. A missing recording is SKIPPED
+by name. The exit code is 77 when all are missing.
 """
 import json
 import math
@@ -59,7 +59,7 @@ def basin(tool, data):
         return 0
     s = json.loads(run(tool, 'basin', sequence, '--offset', '0.2', '--angle', '3', '--trials', '2',
                        '--repeats', '3', '--json'))
-    check(s['success'] >= 0.8, 'euroc_v1_room: %.0f %% of %d starts 0.2 m and 3 deg off succeed' % (
+    check(s['success'] >= 0.8, 'euroc_v1_room: %.0f %% of %d starts with errors of 0.2 m, 3 deg succeed' % (
         100 * s['success'], s['trials']))
     return 1
 
@@ -70,7 +70,7 @@ def rows(file):
 
 
 def cube(tool, data, source, folder):
-    """No odometry; compared with another tracker's result, itself uncertain by some 14 mm."""
+    """A recording without odometry, compared with another tracker that is uncertain by about 14 mm."""
     sequence = os.path.join(folder, 'cube')
     made = subprocess.run([os.path.join(source, 'scripts', 'make_cube_sequence'), sequence],
                           capture_output=True, text=True)

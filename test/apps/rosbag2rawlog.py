@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A bag that Debian's rosbag2rawlog has converted is localized: images, range images, both.
+"""Localizes a bag that rosbag2rawlog of Debian has converted: with images, range images, or both.
 
 usage: rosbag2rawlog.py EDGE_MCL SOURCE_DIRECTORY
 
@@ -47,10 +47,10 @@ def main():
         if not shutil.which('rosbag2rawlog') or run(tool, 'simulate', scenario, path('f.bag')).returncode:
             print('SKIPPED: rosbag2rawlog is missing, or this build writes no bags')
             return 77
-        # The truth of the optical frame, which is what rosbag2rawlog makes the robot's base.
+        # rosbag2rawlog makes the optical frame the base of the robot. This is its ground truth.
         run(tool, 'simulate', scenario, path('directory'))
         truth = positions(path('directory/groundtruth.txt'))
-        # There is no odometry in such a file that could be used; along bare walls depth alone drifts.
+        # The converted file has no usable odometry. So depth alone drifts along bare walls.
         for name, limit, sensors, options in (
                 ('images', 0.05, IMAGE, ['--camera', camera]),
                 ('range images', 0.15, DEPTH, ['--set', 'likelihood.cues=depth']),

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""MRPT's unmodified pf-localization with our map preloaded ends near the truth.
+"""The unmodified pf-localization of MRPT, with the map of this project, must end near the truth.
 
 usage: stock_pf_localization.py EDGE_MCL PLUGIN_LIBRARY INI_TEMPLATE SEQUENCE
 
@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 
-FORWARD = ((0, 0, 1), (-1, 0, 0), (0, -1, 0))  # optical axes on a body with x forward, z up
+FORWARD = ((0, 0, 1), (-1, 0, 0), (0, -1, 0))  # axes of the optical frame on a body with x forward, z up
 
 
 def rotation(q):
@@ -60,7 +60,7 @@ def main():
             f.write(text)
         run = subprocess.run(['pf-localization', ini, rawlog], capture_output=True, text=True,
                              env=dict(os.environ, LD_PRELOAD=plugin), timeout=900)
-        # One folder for each experiment and number of particles.
+        # There is one folder for each experiment and number of particles.
         logs = glob.glob(os.path.join(folder, 'log_*', 'particles'))
         particles = logs[0] if logs else folder
         if run.returncode != 0 or not logs:
@@ -75,7 +75,7 @@ def main():
         mean = [sum(w * r[i] for w, r in zip(weights, rows)) / sum(weights) for i in range(3)]
         truth = numbers(os.path.join(sequence, 'groundtruth.txt'))[-1][1:]
         distance = math.dist(mean, truth[:3])
-        # Angles are a few degrees apart at most: means of yaw, pitch, roll about the truth.
+        # The angles are at most a few degrees apart. So their means about the truth are taken one by one.
         turn = []
         for i, t in enumerate(body_angles(truth[3:])):
             d = [math.remainder(math.degrees(r[3 + i]) - t, 360) for r in rows]

@@ -1,4 +1,4 @@
-// What MRPT's built-in filters are given, against closed forms.
+// Compares the inputs of MRPT's built-in filters with closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,6 +17,7 @@ MeshModel box() {
   return weldMesh(std::move(soup), 1e-6, "box");
 }
 
+/// The truth is the six planes of a box.
 TEST(SurfacePoints, LieOnTheSurfaceWithoutGaps) {
   constexpr double kSpacing = 0.1;
   const std::vector<Eigen::Vector3f> points = surfacePoints(box(), kSpacing);
@@ -28,7 +29,7 @@ TEST(SurfacePoints, LieOnTheSurfaceWithoutGaps) {
     EXPECT_TRUE((p.array() > Eigen::Array3f(-2.001F, -3.001F, -0.001F)).all() &&
                 (p.array() < Eigen::Array3f(2.001F, 3.001F, 2.501F)).all());
   }
-  // Places on a wall and on the floor, far from any corner of a triangle or near one.
+  // The places lie on a wall and on the floor, some of them near corners of triangles.
   for (int i = 0; i < 200; ++i) {
     const auto u = static_cast<float>(random.uniform()), v = static_cast<float>(random.uniform());
     const Eigen::Vector3f place = i % 2 == 0 ? Eigen::Vector3f(2, 6 * u - 3, 2.5F * v)
@@ -39,6 +40,7 @@ TEST(SurfacePoints, LieOnTheSurfaceWithoutGaps) {
   }
 }
 
+/// The outline of the box is a rectangle of 4 x 6 m, 20 m long.
 TEST(Section, OfABoxIsItsOutline) {
   double length = 0;
   for (const auto& [a, b] : sectionOf(box(), 1.2)) {
@@ -50,7 +52,8 @@ TEST(Section, OfABoxIsItsOutline) {
   EXPECT_TRUE(sectionOf(box(), 2.6).empty());
 }
 
-/// Points of a wall across the line of sight, as a camera that looks down by `pitch` has them.
+/// Points of a wall across the line of sight, in the axes of a camera that looks down. @param
+/// distance of the wall, m
 DepthPoints wall(double distance, const Pose& level_camera) {
   DepthPoints points;
   for (double y = -2.5; y <= 2.5; y += 0.01)
@@ -64,6 +67,7 @@ DepthPoints wall(double distance, const Pose& level_camera) {
   return points;
 }
 
+/// The true range of a wall at 2 m is 2 / cos(bearing).
 TEST(Scan, OfAWallIsAsLongAsTheWayToIt) {
   Pose camera = Pose::Identity();
   camera.translation().z() = 1.3;
@@ -77,10 +81,10 @@ TEST(Scan, OfAWallIsAsLongAsTheWayToIt) {
     if (!scan->getScanRangeValidity(i)) continue;
     ++hits;
     const double bearing = scan->aperture * (static_cast<double>(i) / (count - 1) - 0.5);
-    // A ray stands for half a degree to either side: 3.4 cm of range at 51 degrees.
+    // A ray covers half a degree to either side. At 51 degrees this is 3.4 cm of range.
     EXPECT_NEAR(scan->getScanRange(i), 2 / std::cos(bearing), 0.035);
   }
-  // 2.5 m to either side at 2 m: 51.3 degrees.
+  // The wall reaches 2.5 m to either side at 2 m distance, which is 51.3 degrees.
   EXPECT_NEAR(hits, 103, 2);
   EXPECT_FALSE(scanOf(wall(2, camera), camera, 3, plan)) << "no points at that height";
 }

@@ -1,4 +1,4 @@
-// The compared filters on a simulated flight, and what the document says of runs.
+// Tests the compared filters on a simulated flight, and the page about their runs.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -42,8 +42,9 @@ class ComparedRuns : public testing::Test {
 };
 fs::path ComparedRuns::folder_;
 
-/// The odometry of this flight is off by 10 cm and more at its end; every filter must do better,
-/// and the edges' error is a pixel's at most: 2 cm at 4 m with a focal length of 200 pixels.
+/// The odometry of this flight has an error of 10 cm and more at its end. Every filter must do
+/// better. An edge has an error of at most one pixel, which is 2 cm at 4 m with a focal length of
+/// 200 pixels.
 TEST_F(ComparedRuns, FiltersFollowTheFlight) {
   const ComparedRun odometry = run("dead_reckoning", 0);
   ASSERT_GT(odometry.position.max, 0.05);
@@ -66,7 +67,7 @@ TEST_F(ComparedRuns, ARunIsTheSameTwice) {
   }
 }
 
-/// Images without truth count neither for nor against.
+/// Images without ground truth do not count for the success.
 TEST_F(ComparedRuns, SuccessIsOfTheImagesWithTruth) {
   const fs::path part = folder_ / "part";
   fs::remove_all(part);
@@ -74,7 +75,8 @@ TEST_F(ComparedRuns, SuccessIsOfTheImagesWithTruth) {
   std::ifstream all(folder_ / "flight" / "groundtruth.txt");
   std::ofstream few(part / "groundtruth.txt", std::ios::trunc);
   std::string line;
-  for (int k = 0; k < 7 && std::getline(all, line); ++k) few << line << '\n';  // one is the header
+  // Six poses and the header.
+  for (int k = 0; k < 7 && std::getline(all, line); ++k) few << line << '\n';
   few.close();
   const ComparedRun r = runCompared("edges", part.string(), 1, 300);
   EXPECT_EQ(r.images, 6u);
@@ -88,6 +90,7 @@ TEST_F(ComparedRuns, SurviveStorage) {
   EXPECT_THROW(runFromJson({{"method", "edges"}}, "x"), InputError);
 }
 
+/// An unknown method and a missing sequence are errors.
 TEST_F(ComparedRuns, SayWhatIsWrong) {
   EXPECT_THROW(runCompared("edgse", (folder_ / "flight").string(), 1, 50), ParameterError);
   EXPECT_THROW(runCompared("edges", (folder_ / "nothing").string(), 1, 50), InputError);
@@ -122,6 +125,7 @@ TEST(ComparisonReport, AveragesOverTheSeeds) {
   EXPECT_NEAR(rows[0].success, 0.5, 1e-12);
 }
 
+/// The page names MRPT's filter as the winner when its error is smaller.
 TEST(ComparisonReport, SaysWhoeverWins) {
   Comparison c;
   c.equal_count = {made("edges", 1, 0.01, false), made("mrpt_2d", 1, 0.05, false)};

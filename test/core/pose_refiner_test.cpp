@@ -9,6 +9,7 @@
 namespace edge_mcl {
 namespace {
 
+/// The truth is the central difference of the projection.
 TEST(PoseRefiner, JacobianAgreesWithDifferences) {
   CameraModel camera = test::pinhole();
   camera.distortion = DistortionModel::kPlumbBob;
@@ -32,8 +33,9 @@ TEST(PoseRefiner, JacobianAgreesWithDifferences) {
   }
 }
 
-/// A rendered room, starts 3 cm and 1 degree off: refinement finds back to the truth. The picture
-/// is exact, so what remains is the edge detector's bias (blur at corners), a tenth of a pixel.
+/// The starts have an error of 3 cm and 1 degree in a rendered room. Refinement must return to the
+/// true pose. The picture is exact, so the remaining error is the bias of the edge detector (blur
+/// at corners), a tenth of a pixel.
 TEST(PoseRefiner, FindsBackToTheTruth) {
   const LocalizationMap map(test::furnishedRooms(), Parameters());
   const CameraModel camera = test::pinhole(480, 360, 370);
@@ -54,7 +56,7 @@ TEST(PoseRefiner, FindsBackToTheTruth) {
   EXPECT_GE(good, kTrials - 1);
 }
 
-/// The base with a camera on it ends where the camera alone does.
+/// A base with a mounted camera is refined to the same camera pose as the camera alone.
 TEST(PoseRefiner, ExtrinsicsMakeNoDifference) {
   const LocalizationMap map(test::furnishedRooms(), Parameters());
   const CameraModel camera = test::pinhole(320, 240, 250);

@@ -1,4 +1,4 @@
-// Descriptions of networks, parameters, and what is wrong with them.
+// Tests descriptions of networks, parameters, and the messages about their faults.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/base/parameter_struct.h"
 #include "edge_mcl/detector/default_model.h"
 #include "edge_mcl/detector/detector_model.h"
 #include "edge_mcl/detector/mask_detector.h"
@@ -38,7 +39,7 @@ class DetectorModelFile : public ::testing::Test {
     }
     return "";
   }
-  /// A network whose scores of three classes are the image's blue, green and red.
+  /// A network whose scores of three classes are the blue, green and red of the image.
   DetectorModel colorNetwork(const std::string& classes,
                              const std::string& layer = "type: \"ReLU\"") const {
     write("colors.prototxt",
@@ -78,7 +79,8 @@ TEST_F(DetectorModelFile, NumbersAndKeysThatAreNone) {
   const std::string text = "file: a\nclasses: [a]\n";
   const std::string fault =
       faultOf(write("m.yaml", text + "scale: 0\nmean: .nan\npadding: .inf\n? [1, 2]\n: 3\n"));
-  for (const char* part : {"scale must be", "mean must be", "padding must be", "a key that is no"})
+  for (const char* part :
+       {"scale must be", "mean must be", "padding must be", "a key is not a plain name"})
     EXPECT_NE(fault.find(part), std::string::npos) << part << " in " << fault;
   EXPECT_NE(faultOf(write("m.yaml", text + "scale: [1, 1, .inf]\n")).find("scale must be"),
             std::string::npos);
@@ -104,10 +106,11 @@ TEST_F(DetectorModelFile, BrokenNetworksAreOneClearError) {
   write("a.onnx", "");
   EXPECT_THROW(MaskDetector(model, {}), InputError) << "empty";
   DetectorModel unnameable = model;
-  unnameable.file = std::string(300, 'a');  // no file has so long a name
+  unnameable.file = std::string(300, 'a');  // no file can have a name of this length
   EXPECT_THROW(MaskDetector(unnameable, {}), InputError) << "a name that is too long";
 }
 
+/// Two classes have the name chair. Objects of both must be found.
 TEST_F(DetectorModelFile, ClassesOfOneNameAreAllIgnored) {
   MaskDetector detector(colorNetwork("[wall, chair, chair]"), {});
   cv::Mat image(48, 64, CV_8UC3, kBlue);
@@ -117,7 +120,7 @@ TEST_F(DetectorModelFile, ClassesOfOneNameAreAllIgnored) {
 }
 
 TEST_F(DetectorModelFile, AnOutputThatIsNotFiniteIsAnError) {
-  // The root of 200 - colour: white has none.
+  // The output is the square root of 200 - colour, which is not finite for white.
   MaskDetector detector(
       colorNetwork("[wall, table, chair]",
                    "type: \"Power\" power_param { power: 0.5 scale: -1 shift: 200 }"),
@@ -133,16 +136,16 @@ TEST_F(DetectorModelFile, AnOutputThatIsNotFiniteIsAnError) {
 
 TEST_F(DetectorModelFile, AResultThatComesManyImagesLateIsUsed) {
   DetectorParameters parameters;
-  parameters.min_confidence = 0;  // there is nothing to follow here
+  parameters.min_confidence = 0;  // the image has no corners to follow
   MaskDetector detector(colorNetwork("[wall, table, chair]"), parameters);
   RecordedFlightMasks flight(&detector, parameters, 1, 5);
   cv::Mat image(48, 64, CV_8UC3, kBlue), larger;
   image(cv::Rect(16, 16, 24, 16)) = kRed;
   for (int i = 0; i <= 7 * 15; ++i) flight.next(image, i / 15.0);
-  // The second run began at 1 s, 75 images before its result came.
+  // The second run of the network began at 1 s. Its result comes 75 images later.
   ASSERT_EQ(flight.tracker().objects().size(), 1u);
   EXPECT_NEAR(flight.tracker().objects()[0].age, 6, 0.1);
-  // Of another size nothing is known: its result is waited for.
+  // With an image of another size the tracker knows no object, so it waits for the result.
   cv::resize(image, larger, {}, 2, 2);
   flight.next(larger, 7.1);
   ASSERT_EQ(flight.tracker().objects().size(), 1u);
@@ -192,7 +195,7 @@ TEST(DetectorParameters, AllFaultsAndNearMisses) {
   EXPECT_NO_THROW(p.validate());
   p.half_life = 0;
   p.nms_threshold = 2;
-  EXPECT_EQ(p.faults().size(), 2u);
+  EXPECT_EQ(parameterFaults(p).size(), 2u);
   EXPECT_THROW(p.validate(), ParameterError);
   DetectorParameters q;
   q.set("dilation", "7");

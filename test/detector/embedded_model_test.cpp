@@ -1,4 +1,5 @@
-// The embedded network on flights of the simulator, whose objects and rooms it has not seen.
+// Tests the embedded network on a flight of the simulator. Its training data held neither these
+// objects nor these rooms.
 #include <gtest/gtest.h>
 
 #include "edge_mcl/detector/default_model.h"
@@ -8,6 +9,7 @@
 namespace edge_mcl {
 namespace {
 
+/// The truth is the masks of the simulator.
 TEST(EmbeddedModel, FindsWhatIsNotInTheMap) {
   Simulator simulator(Scenario::fromYamlFile(std::string(EDGE_MCL_MAPS) + "/office_flight.yaml"));
   MaskDetector detector(DetectorModel::fromYamlFile(defaultModelFile()), {});

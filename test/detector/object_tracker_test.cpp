@@ -1,4 +1,4 @@
-// Objects and background that move in known ways.
+// Objects and background move in known ways, so the true masks are known.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,12 +22,12 @@ cv::Mat texture(const cv::Size& size, uint64_t seed, const cv::Scalar& low,
   return large(cv::Rect({}, size)).clone();
 }
 
-/// A textured wall that shifts with the camera, and a box of other colours before it.
+/// A textured wall that shifts with the camera, and a box of other colours in front of it.
 struct Stage {
   cv::Mat wall = texture({3 * kWidth, 2 * kHeight}, 1, {0, 0, 0}, {255, 255, 255});
   cv::Mat box = texture({70, 90}, 2, {0, 0, 120}, {60, 90, 255});
 
-  /// @param box_at nothing is drawn where it is far outside.
+  /// @param box_at place of the box; far outside the image no box is drawn
   cv::Mat image(const cv::Point& wall_at, const cv::Point& box_at) const {
     cv::Mat picture = wall(cv::Rect(wall_at, cv::Size(kWidth, kHeight))).clone();
     const cv::Rect seen = cv::Rect(box_at, box.size()) & cv::Rect(0, 0, kWidth, kHeight);
@@ -77,13 +77,14 @@ TEST(ObjectTracker, AnObjectThatMovesOtherThanTheBackground) {
       ASSERT_TRUE(tracker.confirm(0, stage.found(boxAt(0))));
     }
   }
-  // Half a pixel of drift on each side of 70 x 90 pixels.
+  // The tolerance is half a pixel of drift on each side of 70 x 90 pixels.
   EXPECT_GT(maskOverlap(tracker.mask(), stage.mask(boxAt(12))), 0.96);
   ASSERT_EQ(tracker.objects().size(), 1u);
   EXPECT_NEAR(tracker.objects()[0].age, 12 * 0.066, 1e-9);
   EXPECT_LT(tracker.objects()[0].score, 0.9f);
 }
 
+/// The result belongs to the third image and comes after the ninth.
 TEST(ObjectTracker, AResultThatComesLateIsCarriedToNow) {
   ObjectTracker tracker(exact());
   const Stage stage;
@@ -102,14 +103,16 @@ TEST(ObjectTracker, AResultOfAHundredImagesAgoIsCarriedToNow) {
     if (i == 0) tracker.hold();
   }
   ASSERT_TRUE(tracker.confirm(0, stage.found(boxAt(0))));
-  // The box is not where it was by more than its width; thirty steps drift by a few degrees.
+  // The box has moved by more than its width. Thirty steps of tracking can turn the mask by a few
+  // degrees.
   EXPECT_GT(maskOverlap(tracker.mask(), stage.mask(boxAt(100))), 0.7);
 }
 
 TEST(ObjectTracker, WithoutCornersItMovesWithTheBackground) {
   ObjectTracker tracker(exact());
   Stage stage;
-  stage.box = cv::Scalar(0, 0, 200);  // of one colour, its outline blurred away below
+  // A box of one colour; its outline is blurred below, so it has no corners.
+  stage.box = cv::Scalar(0, 0, 200);
   const auto imageOf = [&](int i) {
     cv::Mat picture = stage.image({100 + 3 * i, 50}, {120 - 3 * i, 80});
     cv::Mat soft;
@@ -149,7 +152,7 @@ TEST(ObjectTracker, KeepsItsNumberAndKnowsItAgain) {
   look({200, 90});
   ASSERT_EQ(tracker.objects().size(), 1u);
   EXPECT_EQ(tracker.objects()[0].track_id, first) << "came back elsewhere";
-  // Another thing of the same class, but of other colours.
+  // Another object has the same class but other colours.
   for (int i = 0; i < 5; ++i) look({-500, 0});
   Stage other;
   other.box = texture({70, 90}, 3, {150, 60, 0}, {255, 120, 40});
@@ -173,15 +176,16 @@ TEST(ObjectTracker, UnconfirmedObjectsFade) {
     tracker.advance(stage.image({100, 50}, {100, 80}), 0.05 * i);
     if (tracker.objects().empty()) gone = 0.05 * i;
   }
-  // 0.9 * 0.5^(t / 0.5) = 0.2 at 1.085 s, when every corner is followed.
+  // When every corner is followed, 0.9 * 0.5^(t / 0.5) falls to 0.2 at 1.085 s.
   EXPECT_NEAR(gone, 1.1, 0.1);
 }
 
+/// Without corners the confidence must fall equally at 15 and at 60 images per second.
 TEST(ObjectTracker, ConfidenceIsLostByTimeNotByImages) {
   DetectorParameters parameters = exact();
   parameters.half_life = 1;
   parameters.min_confidence = 0;
-  const cv::Mat flat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(90));  // nothing to follow
+  const cv::Mat flat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(90));  // no corners to follow
   for (const int rate : {15, 60}) {
     ObjectTracker tracker(parameters);
     tracker.advance(flat, 0);
@@ -192,6 +196,7 @@ TEST(ObjectTracker, ConfidenceIsLostByTimeNotByImages) {
   }
 }
 
+/// The mask grows by 2 pixels, and by 10 pixels per second.
 TEST(ObjectTracker, TheMaskGrowsWithAge) {
   DetectorParameters parameters;
   parameters.dilation = 2;
@@ -234,7 +239,7 @@ TEST(ObjectTracker, TwoObjectsOutOfSightAreNotOne) {
   parameters.min_confidence = 0;
   ObjectTracker tracker(parameters);
   const Stage stage;
-  // Both stand on the wall, which moves to the left, and back again.
+  // Both objects stand on the wall. The wall moves to the left and back again.
   for (int i = 0; i <= 16; ++i) {
     tracker.advance(stage.image({100 + 20 * std::min(i, 16 - i), 50}, {-500, 0}), 0.066 * i);
     if (i == 0) tracker.confirm(0, stage.found({10, 120}));
@@ -247,6 +252,8 @@ TEST(ObjectTracker, TwoObjectsOutOfSightAreNotOne) {
   EXPECT_NE(tracker.objects()[0].track_id, tracker.objects()[1].track_id);
 }
 
+/// A late image and a repeated image are errors and change nothing. Another size or a jump of the
+/// clock starts the tracker anew.
 TEST(ObjectTracker, ALateImageIsNotTaken) {
   ObjectTracker tracker(exact());
   const Stage stage;
@@ -294,6 +301,7 @@ TEST(ObjectTracker, LargerImagesAndGreyOnes) {
   EXPECT_THROW(tracker.advance(cv::Mat(), 9), InputError);
 }
 
+/// The truth is OpenCV's dilation with an ellipse.
 TEST(Masks, GrowByADisc) {
   for (int radius = 1; radius <= 12; ++radius) {
     cv::Mat mask = cv::Mat::zeros(60, 80, CV_8U), expected;

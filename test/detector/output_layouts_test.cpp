@@ -1,4 +1,4 @@
-// Boxes from outputs that are written down here, layout by layout.
+// Every test writes the output of a network by hand, in one layout, so the true boxes are known.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ TEST(OutputLayouts, Ssd) {
   cv::Mat out = tensor({1, 1, 3, 7});
   const float rows[3][7] = {{0, 1, 0.9f, 0.25f, 0.5f, 0.75f, 1},
                             {0, 0, 0.1f, 0, 0, 1, 1},
-                            {0, 9, 0.1f, 0, 0, 1, 1}};  // no such class
+                            {0, 9, 0.1f, 0, 0, 1, 1}};  // there is no class 9
   std::copy(&rows[0][0], &rows[0][0] + 21, out.ptr<float>());
   const auto boxes = decodeBoxes(modelOf(OutputLayout::kSsd, 2), {out}, 0.5f);
   ASSERT_EQ(boxes.size(), 1u);
@@ -85,14 +85,15 @@ TEST(OutputLayouts, DarknetSharesOfSeveralHeads) {
 }
 
 TEST(OutputLayouts, YoloxCellsOfEveryStride) {
-  // 64 x 32 at strides 8, 16, 32: 32 + 8 + 2 cells. One object in the last grid's second cell.
+  // An input of 64 x 32 has 32 + 8 + 2 cells at the strides 8, 16 and 32. One object is in the
+  // second cell of the last grid.
   cv::Mat out = tensor({1, 42, 7});
   float* row = out.ptr<float>() + 41 * 7;
   const float values[7] = {0.5f, 0.25f, std::log(0.5f), std::log(0.25f), 1, 0.2f, 0.9f};
   std::copy(values, values + 7, row);
   const auto boxes = decodeBoxes(modelOf(OutputLayout::kYolox, 2), {out}, 0.5f);
   ASSERT_EQ(boxes.size(), 1u);
-  // Centre ((1 + 0.5) * 32, 0.25 * 32) = (48, 8), size (16, 8).
+  // The centre is ((1 + 0.5) * 32, 0.25 * 32) = (48, 8), the size is (16, 8).
   expectBox(boxes[0], 1, 0.9f, {40, 4, 16, 8});
   EXPECT_THROW(decodeBoxes(modelOf(OutputLayout::kYolox, 2), {tensor({1, 41, 7})}, 0.5f),
                InputError);
@@ -108,17 +109,17 @@ TEST(OutputLayouts, YoloV8IsTransposed) {
 }
 
 TEST(OutputLayouts, FastestDetCells) {
-  cv::Mat out = tensor({1, 7, 2, 4});  // 4 x 2 cells
+  cv::Mat out = tensor({1, 7, 2, 4});  // a grid of 4 x 2 cells
   const auto set = [&](int channel, float v) { out.ptr<float>(0, channel)[1 * 4 + 2] = v; };
   set(0, 0.81f);             // objectness
-  set(1, std::atanh(0.5f));  // centre at half a cell
+  set(1, std::atanh(0.5f));  // the centre is half a cell to the right
   set(2, std::atanh(-0.5f));
-  set(3, 0);                   // half the picture's width
-  set(4, std::log(1 / 3.0f));  // a quarter of its height
+  set(3, 0);                   // half the width of the input
+  set(4, std::log(1 / 3.0f));  // a quarter of the height of the input
   set(6, 0.49f);
   const auto boxes = decodeBoxes(modelOf(OutputLayout::kFastestDet, 2), {out}, 0.5f);
   ASSERT_EQ(boxes.size(), 1u);
-  // Centre (2.5 / 4 * 64, 0.5 / 2 * 32) = (40, 8), size (32, 8).
+  // The centre is (2.5 / 4 * 64, 0.5 / 2 * 32) = (40, 8), the size is (32, 8).
   expectBox(boxes[0], 1, std::pow(0.81f, 0.6f) * std::pow(0.49f, 0.4f), {24, 4, 32, 8});
 }
 

@@ -1,5 +1,5 @@
-// Public networks, by their descriptions alone. Files and photographs are not part of the project:
-// where they are missing, SKIPPED.
+// Tests public networks with the descriptions in this project. The files of the networks and the
+// photographs are not part of the project. Where they are missing, the test is SKIPPED.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ void PrintTo(const PublicModel& m, std::ostream* out) { *out << m.description; }
 
 class PublicModels : public ::testing::TestWithParam<PublicModel> {};
 
-/// People in the foreground (fd_2) and a sofa, a chair and a television (000000004495): what a
-/// person sees in the photographs.
+/// The truth is what a person sees in the photographs: people in the foreground (fd_2), and a sofa,
+/// a chair and a television (000000004495).
 TEST_P(PublicModels, SeesWhatIsThere) {
   const fs::path files = EDGE_MCL_PUBLIC_MODELS, photos = EDGE_MCL_PHOTOS;
   DetectorModel model =

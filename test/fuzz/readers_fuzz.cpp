@@ -1,4 +1,5 @@
-// libFuzzer target: the model and sequence readers may refuse input, never crash or hang.
+// libFuzzer target: the readers of models and sequences may refuse an input. They must not crash or
+// hang.
 // Build: cmake -S . -B build-fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DEDGE_MCL_FUZZ=ON
 //        -DEDGE_MCL_WITH_ROS=OFF && cmake --build build-fuzz --target readers_fuzz
 // Run:   build-fuzz/bin/readers_fuzz -max_total_time=600 -timeout=20 -rss_limit_mb=4096
@@ -41,7 +42,8 @@ void readModel(const std::string& file) {
 
 }  // namespace
 
-// assimp 5.2 loses a mesh when an STL file ends in the middle of a facet; that is not ours to free.
+// assimp 5.2 leaks a mesh when an STL file ends in the middle of a facet. The code under test
+// cannot free it.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp\n"; }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -70,7 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         edge_mcl::readFileList(write("list.txt", data, size));
         break;
       default: {
-        // A good camera and list, the description is the input.
+        // The camera and the list are good, and the description is the input.
         const std::string camera =
             "image_width: 4\nimage_height: 4\ncamera_matrix: {data: [4,0,2,0,4,2,0,0,1]}\n"
             "distortion_model: plumb_bob\ndistortion_coefficients: {data: [0,0,0,0,0]}\n";
@@ -82,7 +84,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       }
     }
   } catch (const edge_mcl::Error&) {
-    // Refused with a reason: what a reader should do.
+    // The reader refused the input with a reason, as it should.
   }
   return 0;
 }

@@ -22,7 +22,7 @@
 namespace edge_mcl {
 namespace {
 
-/// The furnished rooms as a file.
+/// Writes the furnished rooms to a file. @return its name
 std::string roomFile() {
   const std::string file = testing::TempDir() + "rooms.obj";
   const MeshModel mesh = test::furnishedRooms();
@@ -62,8 +62,8 @@ TEST(Conversions, PosesAndCamerasRoundTrip) {
 }
 
 TEST(Conversions, CovarianceKeepsTheSignOfCrossTerms) {
-  // x and yaw move together or against each other. MRPT's own CPose3DPDFParticles takes absolute
-  // angle differences and cannot tell the two apart.
+  // x and yaw have a positive or a negative correlation. The CPose3DPDFParticles of MRPT takes
+  // absolute differences of angles and cannot tell the two apart.
   for (const double sign : {1.0, -1.0}) {
     PoseGaussian g;
     Twist d = Twist::Zero();
@@ -126,6 +126,7 @@ TEST(EdgeMap, SerializesAsFileAndParameters) {
   EXPECT_EQ(read->localization().params().toYaml(), params.toYaml());
 }
 
+/// One pose alone must get its score in the batch.
 TEST(EdgeMap, TheScalarPathGivesTheBatchsNumbers) {
   const CEdgeMap map(roomFile(), Parameters());
   const auto obs = roomObservation(opticalOnBody());
@@ -139,7 +140,7 @@ TEST(EdgeMap, TheScalarPathGivesTheBatchsNumbers) {
     EXPECT_TRUE(std::isfinite(scalar));
     EXPECT_EQ(map.logLikelihoods(*obs, {poses[i]}).front(), batch[i]);
     EXPECT_LT((toPose(toMrpt(poses[i])).matrix() - poses[i].matrix()).norm(), 1e-12);
-    // CPose3D carries the same rotation matrix; only its entries' last bits may differ.
+    // CPose3D holds the same rotation matrix. Only the last bits of its entries may differ.
     EXPECT_NEAR(scalar, batch[i], 1e-6 * (1 + std::abs(batch[i])));
   }
 }
@@ -159,6 +160,7 @@ TEST(EdgeMap, ScoresTheIntensityImageOfARangeScan) {
             map.computeObservationLikelihood(*obs, base));
 }
 
+/// The truth is the score of the same depths as a depth image.
 TEST(EdgeMap, ScoresTheRangeImageOfARangeScan) {
   Parameters params;
   params.likelihood.cues = Cues::kDepth;
@@ -171,7 +173,7 @@ TEST(EdgeMap, ScoresTheRangeImageOfARangeScan) {
   metres.convertTo(image.depth, CV_16U, 1000);
   CameraView view;
   view.depth = map.localization().prepareDepth(image);
-  // A sensor 20 cm ahead of the base, which looks along its x axis.
+  // The sensor is 20 cm ahead of the base and looks along the x axis of the base.
   const mrpt::poses::CPose3D mounting(0.2, 0, 0, 0, 0, 0);
   const Pose base = kView * opticalOnBody().inverse() * toPose(mounting).inverse();
   const double expected = map.localization().evaluate({view}, {kView}).front().log_likelihood;
@@ -188,15 +190,15 @@ TEST(EdgeMap, ScoresTheRangeImageOfARangeScan) {
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 160; ++x) scan.rangeImage(y, x) = image.depth.at<uint16_t>(y, x);
   EXPECT_TRUE(map.canComputeObservationLikelihood(scan));
-  // The same points; the pose takes another way, which costs some bits.
+  // The points are equal. The pose is converted differently, which costs some bits.
   EXPECT_NEAR(map.computeObservationLikelihood(scan, toMrpt(base)), expected, 0.05);
 
-  // The same object with another mounting: not what was kept of it.
+  // The same object with another mounting must be scored anew, and not from stored points.
   scan.sensorPose = mrpt::poses::CPose3D(0.2, 0.5, 0, 0, 0, 0);
   EXPECT_LT(map.computeObservationLikelihood(scan, toMrpt(base)), expected - 10);
   scan.sensorPose = mounting;
 
-  // Along the rays, in units of 0.5 mm: rounded otherwise, a hundredth of the noise.
+  // Ranges along the rays in units of 0.5 mm are rounded differently, by a hundredth of the noise.
   scan.range_is_depth = false;
   scan.rangeUnits = 0.0005f;
   for (int y = 0; y < 120; ++y)
@@ -207,7 +209,7 @@ TEST(EdgeMap, ScoresTheRangeImageOfARangeScan) {
 
   scan.rangeImage.resize(10, 10);
   EXPECT_THROW(map.computeObservationLikelihood(scan, toMrpt(base)), std::exception);
-  // Images say nothing here.
+  // The parameters use depth only, so an image cannot be scored.
   EXPECT_FALSE(map.canComputeObservationLikelihood(*roomObservation(opticalOnBody())));
 }
 
@@ -222,14 +224,15 @@ TEST(EdgeMap, BrokenObservationsAreErrors) {
 }
 
 TEST(TiltCorrection, IsTheProductOfGaussians) {
-  // Particles about a tilted pose, and a reading: for small angles the posterior per axis is known.
+  // Particles are drawn around a tilted pose, and the IMU gives one reading. For small angles the
+  // posterior of each axis is known in closed form.
   RandomSource random(41);
   const Pose truth = expSe3((Twist() << 1, 2, 3, 0.2, -0.3, 1.0).finished());
   const double spread = 0.04, sigma = 0.02, offset = 0.05;
   const Eigen::Vector3d axis =
       (truth.linear().transpose() * Eigen::Vector3d::UnitZ()).unitOrthogonal();
   PoseGaussian prior{truth, spread * spread * Matrix6::Identity()};
-  // What the IMU says: turned by `offset` from the particles' mean.
+  // The reading is turned by `offset` from the mean of the particles.
   Pose turned = truth;
   turned.linear() = truth.linear() * expSo3(offset * axis);
   const UpReading reading{turned.linear().transpose() * Eigen::Vector3d::UnitZ(), sigma};
@@ -247,15 +250,17 @@ TEST(TiltCorrection, IsTheProductOfGaussians) {
   const double left = spread * sigma / std::hypot(spread, sigma);  // standard deviation
   for (const PoseGaussian& p : {after, gaussian}) {
     const Eigen::Vector3d shift = logSo3(truth.linear().transpose() * p.mean.linear());
-    // 20000 draws know a mean to 1/141 of its spread; curvature adds the offset's square.
+    // The mean of 20000 draws has an error of 1/141 of its spread. Curvature adds the square of the
+    // offset.
     EXPECT_NEAR((shift - gain * offset * axis).norm(), 0, 0.0015);
     const Eigen::Matrix3d c = p.covariance.bottomRightCorner<3, 3>();
     EXPECT_NEAR(std::sqrt(axis.dot(c * axis)), left, 0.03 * left);
     const Eigen::Vector3d vertical = p.mean.linear().transpose() * Eigen::Vector3d::UnitZ();
-    EXPECT_NEAR(std::sqrt(vertical.dot(c * vertical)), spread, 0.03 * spread);  // yaw is untouched
+    // The yaw does not change.
+    EXPECT_NEAR(std::sqrt(vertical.dot(c * vertical)), spread, 0.03 * spread);
     EXPECT_NEAR(p.covariance(0, 0), spread * spread, 0.04 * spread * spread);
   }
-  // A reading that nothing explains changes nothing.
+  // A reading that no particle explains changes nothing.
   turned.linear() = truth.linear() * expSo3(1.0 * axis);
   const std::vector<Pose> before = poses;
   EXPECT_FALSE(correctTilt({turned.linear().transpose() * Eigen::Vector3d::UnitZ(), sigma}, weights,
@@ -281,6 +286,7 @@ PoseGaussian startNear(const Pose& base) {
   return start;
 }
 
+/// The truth is the pose of the rendered image. Two runs with one seed must give equal particles.
 TEST(Filter, ConvergesInARenderedRoomAndIsReproducible) {
   const Pose base = kView * opticalOnBody().inverse();
   mrpt::obs::CSensoryFrame frame;
@@ -306,7 +312,8 @@ TEST(Filter, ConvergesInARenderedRoomAndIsReproducible) {
 }
 
 TEST(Filter, SidewaysAndVerticalOdometryMovesParticlesWithoutTurningThem) {
-  // MRPT's 6-DoF motion model is made for ground robots; ours composes increments on SE(3).
+  // The 6-DoF motion model of MRPT is made for ground robots. This filter composes increments on
+  // SE(3).
   for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
     CEdgeMonteCarloLocalization3D filter(roomMap(6));
     PoseGaussian start;
@@ -319,12 +326,14 @@ TEST(Filter, SidewaysAndVerticalOdometryMovesParticlesWithoutTurningThem) {
     mrpt::bayes::CParticleFilter().executeOn(filter, &actions, nullptr);
     for (size_t i = 0; i < filter.size(); ++i) {
       const Pose p = toPose(filter.getParticlePose(i));
-      EXPECT_LT((p.translation() - step).norm(), 0.04 * 5);  // 4 % noise, five sigma
+      // Noise of 4 %, five standard deviations.
+      EXPECT_LT((p.translation() - step).norm(), 0.04 * 5);
       EXPECT_LT(rotationAngle(p, Pose::Identity()), 1e-3);
     }
   }
 }
 
+/// The particles lie uniformly in x from 1 to 1.1 m, so their mean is 1.05 m.
 TEST(Filter, ParticlesSetThroughTheBaseClassAreTaken) {
   CEdgeMonteCarloLocalization3D filter(roomMap(7));
   filter.resetUniform({1, 2, 1, 0, 0, 0}, {1.1, 2.1, 1.1, 0.1, 0, 0}, 300);
@@ -349,10 +358,11 @@ TEST(Resampling, SystematicKeepsExpectedNumbers) {
   const std::vector<double> weights{0.1, 0.2, 0.3, 0.4};
   std::vector<int> count(4);
   for (uint32_t i : systematicResample(weights, 1000, 0.37)) ++count[i];
-  // Systematic resampling is off by less than one copy.
+  // The numbers of systematic resampling differ from the expected ones by less than one copy.
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(count[i], 1000 * weights[i], 1);
 }
 
+/// The exponent must leave an effective sample size of a fifth of the 1000 particles.
 TEST(Resampling, TemperingKeepsTheEffectiveSampleSize) {
   RandomSource random(33);
   std::vector<double> fixed(1000, 0), likelihood(1000);
@@ -362,7 +372,7 @@ TEST(Resampling, TemperingKeepsTheEffectiveSampleSize) {
   for (int i = 0; i < 1000; ++i) logs[i] = t * likelihood[i];
   EXPECT_NEAR(effectiveSampleSize(normalize(logs)), 200, 2);
   EXPECT_EQ(temperingExponent(fixed, std::vector<double>(1000, 3), 0.2), 1);
-  // For Gaussian log-weights of variance v = (50 t)^2: ESS/N = exp(-v), known in closed form.
+  // For Gaussian log-weights of variance v = (50 t)^2 the closed form is ESS/N = exp(-v).
   EXPECT_NEAR(50 * t, std::sqrt(-std::log(0.2)), 0.12);
 }
 

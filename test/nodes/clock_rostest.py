@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A simulated clock that begins anew: diagnostics go on."""
+"""When a simulated clock begins anew, diagnostics must go on."""
 import collections
 import sys
 import time
@@ -26,13 +26,13 @@ class ClockThatJumps(unittest.TestCase):
             while time.time() < until:
                 clock.publish(Clock(rospy.Time.from_sec(begin + seconds - (until - time.time()))))
                 time.sleep(0.05)
-        until = time.time() + 20  # nodes begin when there is a time
+        until = time.time() + 20  # nodes begin when the clock has a time
         while len(received) < 2 and time.time() < until:
             run(100 + 20 - (until - time.time()), 0.5)
         for name in ('detector', 'localizer'):
             self.assertIn(name, received)
         received.clear()
-        run(1, 5)  # of these perhaps one before the jump is noticed
+        run(1, 5)  # one message may come before the nodes notice the jump
         for name in ('detector', 'localizer'):
             self.assertGreaterEqual(received[name], 3, name)
         subscriber.unregister()

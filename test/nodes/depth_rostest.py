@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Depth images beside the camera's, alone, registered or from a camera of their own, and broken."""
+"""Depth images: with colour images and alone, registered or in their own frame, and broken ones."""
 import array
 import copy
 import sys
@@ -35,19 +35,19 @@ class Depth(FedLocalizer):
         self.begin('both')
         status = self.follow(0, 12, 'both')
         self.assertGreater(status.visible_lines, 5)
-        # Without depth, the edges carry on.
+        # Without depth images, the edges are enough.
         for i in range(12, 16):
             status = self.send(i, 'both')
             self.assertEqual(status.state_name, 'tracking')
             self.assertEqual(status.depth_points, 0)
             self.assertIn('no depth image in time', status.problem)
-        # Without light, depth does.
+        # In the dark, depth images are enough.
         black = copy.deepcopy(self.recording.frames[0]['image'])
         black.data = bytes(len(black.data))
         for i in range(16, 30):
             status = self.send(i, 'both', image=black, depth=self.depth(i))
             self.assertEqual(status.visible_lines, 0)
-            if i > 16:  # after a while without, the first one is not waited for
+            if i > 16:  # after some images without depth, the first one is not awaited
                 self.assertEqual(status.state_name, 'tracking', status)
         self.assertLess(self.error(29, 'both')[0], 0.05)
         self.follow(30, 40, 'both')
@@ -58,7 +58,7 @@ class Depth(FedLocalizer):
         self.assertEqual(status.visible_lines, 0)
 
     def test_millimetres_and_a_frame_of_its_own(self):
-        # The same camera under another name, which tf knows.
+        # tf knows the same camera under another name.
         mounting = copy.deepcopy(self.recording.mounting)
         renamed = copy.deepcopy(mounting.transforms[0])
         renamed.child_frame_id = 'depth_optical'
@@ -95,7 +95,7 @@ class Depth(FedLocalizer):
         self.assertEqual(status.state_name, 'tracking', status)
         self.assertNotIn('imu', status.problem)
         self.assertLess(self.error(7, 'both')[1], 1.0)
-        # Lying on its side: left out, and said.
+        # An orientation that lies on its side is not used and is reported.
         wrong = reading(8)
         wrong.orientation = Quaternion(0.7071068, 0, 0, 0.7071068)
         without = reading(9)
@@ -129,7 +129,7 @@ class Depth(FedLocalizer):
                                            (elsewhere, 'nobody_knows'), (covered, 'covered?'))):
             status = self.send(8 + i, 'both', depth=depth)
             self.assertIn(text, status.problem)
-            self.assertEqual(status.state_name, 'tracking', status)  # by the edges
+            self.assertEqual(status.state_name, 'tracking', status)  # with the edges alone
             self.assertEqual(status.depth_points, 0)
         self.follow(13, 20, 'both')
 

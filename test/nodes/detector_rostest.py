@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The detector answers every image; a detector gone wrong does not make the localizer jump."""
+"""The detector answers every image. A faulty detector must not give the localizer a wrong pose."""
 import copy
 import sys
 import threading
@@ -37,7 +37,7 @@ class Detector(FedLocalizer):
                                                        cls.store(cls.got[ns, name])))
             cls.images[ns] = rospy.Publisher('/%s/image' % ns, Image, queue_size=5)
             cls.wait(lambda p=cls.images[ns]: p.get_num_connections() > 0, 30)
-        time.sleep(0.5)  # the other direction
+        time.sleep(0.5)  # the detectors need time to connect to the subscribers above
 
     def detect(self, ns, image, stamp, seconds=10):
         """Sends an image and waits for its mask and its list."""
@@ -66,11 +66,12 @@ class Detector(FedLocalizer):
                     self.assertTrue(0 < thing.score <= 1)
                     self.assertTrue(thing.width > 0 and thing.height > 0)
                     if ns == 'node':
-                        # Every image is looked at; what was missed once is kept for one more.
+                        # The network runs on every image. An object that it misses once is kept
+                        # for one more image.
                         self.assertLess(thing.age, 1.5 / 15)
                 seen += len(objects.objects) > 0
-            # On a busy machine the flight may be over before the network's first result: its masks do
-            # not wait for it. The last image is shown until there is one.
+            # Masks do not wait for the network. On a busy machine the flight may be over before its
+            # first result. So the last image is sent until there is one.
             until = time.time() + 20
             while seen <= 5 and time.time() < until:
                 i += 1
@@ -89,7 +90,7 @@ class Detector(FedLocalizer):
             time.sleep(0.3)
             self.assertNotIn(rospy.Time(3000).to_nsec(), self.got[ns, 'mask'])
             self.detect(ns, image, rospy.Time(3001))
-            self.detect(ns, image, rospy.Time(500))  # a bag in a loop
+            self.detect(ns, image, rospy.Time(500))  # as in a bag that is played in a loop
             small = copy.deepcopy(image)
             small.width, small.height = 40, 30
             small.step = 120
@@ -98,9 +99,9 @@ class Detector(FedLocalizer):
             self.assertEqual(mask.width, 40)
 
     def shown(self):
-        """A frame in which the network by itself sees something."""
+        """Searches an image in which the network finds an object without earlier images."""
         for i, frame in enumerate(self.recording.frames[::5]):
-            # Nothing is known before: the clock jumps back every time.
+            # The clock jumps back every time, so the tracker knows no object.
             mask, _ = self.detect('node', frame['image'], rospy.Time(9000 - 10 * i))
             if any(mask.data):
                 return frame['image']
@@ -124,13 +125,13 @@ class Detector(FedLocalizer):
     def test_images_of_16_bits(self):
         image = copy.deepcopy(self.recording.frames[0]['image'])
         image.encoding, image.step, image.is_bigendian = 'mono16', 2 * image.width, 0
-        # The low byte first, which says nothing here.
+        # The low byte comes first. It is always zero here.
         image.data = b''.join(bytes((0, green)) for green in image.data[1::3])
         mask, _ = self.detect('node', image, rospy.Time(10000))
         self.assertEqual((mask.width, mask.encoding), (image.width, 'mono8'))
 
     def diagnoses(self, ns, image, stamps, text):
-        """Sends images until diagnostics show the text; what they showed until then."""
+        """Sends images until diagnostics show the text. Returns all messages up to then."""
         messages = []
 
         def look(message):
@@ -160,7 +161,7 @@ class Detector(FedLocalizer):
             return [rospy.Time.from_sec(first + 0.1 * i) for i in range(100)]
         self.diagnoses('failing', black, stamps(1000), 'masks go out')
         self.diagnoses('failing', white, stamps(1020), 'not finite')
-        # It is told as long as it lasts: the images themselves are well.
+        # The fault is reported as long as it lasts, although the images themselves are good.
         self.assertNotIn('masks go out', self.diagnoses('failing', white, stamps(1040), 'not finite'))
         self.diagnoses('failing', black, stamps(1060), 'masks go out')
 
@@ -186,7 +187,7 @@ class Detector(FedLocalizer):
         check_ends_with_one_line(self, 'edge_mcl_detector', ['_model:=/nowhere.yaml'], 3, 'nowhere')
 
     def never_wrong(self, first, last, **more):
-        """No pose that is called tracked may be off."""
+        """Sends images. Every pose in the state tracking must be right, within 0.25 m and 5 degrees."""
         states = []
         for i in range(first, last):
             status = self.send(i, **more)
@@ -215,7 +216,7 @@ class Detector(FedLocalizer):
         self.assertEqual(states[-1].state_name, 'tracking')
 
     def test_a_detector_that_hangs_for_five_seconds(self):
-        self.rate = 7.5  # slower by half: the recording is a short one
+        self.rate = 7.5  # half of the rate, because the recording is short
         self.begin()
         frames = self.recording.frames
         self.track(0, 8, mask=frames[0]['mask'])

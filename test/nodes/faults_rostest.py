@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a robot's sensors do wrong: the localizer says so, gives no wrong pose, and recovers."""
+"""Faults of a robot's sensors: the localizer must report them, give no wrong pose, and recover."""
 import copy
 import os
 import sys
@@ -12,7 +12,7 @@ import rostest
 from edge_mcl.srv import SetPose, UseFile
 from std_srvs.srv import Empty
 
-from fed_localizer import FedLocalizer, at
+from fed_localizer import FedLocalizer
 
 
 class Faults(FedLocalizer):
@@ -20,7 +20,7 @@ class Faults(FedLocalizer):
 
     def test_black_images_then_recovery(self):
         self.begin()
-        self.track(0, 20)  # until the particles are as close together as they get
+        self.track(0, 20)  # until the particles no longer come closer together
         black = copy.deepcopy(self.recording.frames[0]['image'])
         black.data = bytes(len(black.data))
         states = []
@@ -38,7 +38,7 @@ class Faults(FedLocalizer):
     def test_clock_jumps_back(self):
         self.begin()
         self.track(0, 20)
-        # The recording again, at its own times, without a new initial pose.
+        # The recording begins again at its own times, without a new initial pose.
         Faults.now += 10
         for ns in self.namespaces:
             self.statuses[ns].clear()
@@ -48,7 +48,7 @@ class Faults(FedLocalizer):
             status = self.send(i, tf=False)
             if i == 0:
                 self.assertIn('jumped back', status.problem)
-            if i < 10:  # perhaps it was turned back a little only
+            if i < 10:  # the robot may be elsewhere, so the pose must be proven
                 self.assertEqual(status.state_name, 'converging', status.problem)
         self.assertEqual(status.state_name, 'tracking', status.problem)
         metres, degrees = self.error(29)
@@ -67,9 +67,9 @@ class Faults(FedLocalizer):
     def test_late_transform(self):
         self.begin()
         self.track(0, 8)
-        status = self.send(8, tf=False)  # awaited, then done without
+        status = self.send(8, tf=False)  # the image waits for tf and is then used without it
         self.assertIn('no odometry', status.problem)
-        # It comes while the image waits for it.
+        # The transform comes while the image waits for it.
         timer = threading.Timer(0.05, lambda: self.send_tf(9))
         timer.start()
         status = self.send(9, tf=False)
@@ -113,7 +113,7 @@ class Faults(FedLocalizer):
         answer = rospy.ServiceProxy('/plain/localizer/set_pose', SetPose)(unknown)
         self.assertFalse(answer.success)
         self.assertIn('nowhere', answer.message)
-        # A frame that stands 5 m beside the map's: the same place has another x there.
+        # The frame `beside` has its origin 5 m beside the origin of the map. So the same place has another x.
         message = copy.deepcopy(self.recording.mounting)
         transform = message.transforms[0]
         transform.header.frame_id, transform.child_frame_id = 'map', 'beside'
@@ -131,7 +131,7 @@ class Faults(FedLocalizer):
         self.track(0, 8)
 
     def test_no_camera_info(self):
-        # Nothing came for this one so far: tests are run in the order of their names.
+        # Tests run in the order of their names. So this localizer has not had any message yet.
         self.begin('unmasked')
         status = self.send(0, 'unmasked', info=False)
         if 'no camera_info' not in status.problem:

@@ -1,4 +1,4 @@
-"""Localizers that a test feeds by hand, moment by moment, from a simulated flight."""
+"""Localizers to which a test sends a simulated flight, moment by moment."""
 import copy
 import math
 import os
@@ -54,8 +54,8 @@ class Recording:
 
 
 class FedLocalizer(unittest.TestCase):
-    namespaces = []  # of the localizers
-    awaited = ('image',)  # topics that all of them listen to
+    namespaces = []  # namespaces of the localizers
+    awaited = ('image',)  # topics that all localizers subscribe to
     rate = 15.0  # images per second, by their stamps
 
     @classmethod
@@ -82,7 +82,7 @@ class FedLocalizer(unittest.TestCase):
             for topic in ('camera_info', 'initialpose') + cls.awaited:
                 cls.wait(lambda p=cls.publishers[ns, topic]: p.get_num_connections() > 0)
         cls.wait(lambda: cls.tf.get_num_connections() >= len(cls.namespaces))
-        # Time goes on from test to test: each begins where the one before ended.
+        # Time goes on from test to test. Each test begins at the time at which the last one ended.
         cls.now = 100.0
 
     @classmethod
@@ -107,8 +107,8 @@ class FedLocalizer(unittest.TestCase):
         return True
 
     def begin(self, ns='plain'):
-        """Sets the initial pose; the frames that follow start at the first of the recording."""
-        type(self).now += 2  # no odometry in between
+        """Sets the initial pose. The next frames are counted from the first frame of the recording."""
+        type(self).now += 2  # in these two seconds there is no odometry
         self.start = self.now
         pose = at(self.recording.initial_pose, rospy.Time.from_sec(self.now))
         answer = rospy.ServiceProxy('/%s/localizer/set_pose' % ns, SetPose)(pose)
@@ -125,7 +125,7 @@ class FedLocalizer(unittest.TestCase):
         self.tf.publish(message)
 
     def send(self, i, ns='plain', image=None, mask=None, info=None, tf=True, depth=None):
-        """Publishes a moment and returns what the localizer says of it."""
+        """Publishes a moment. Returns the status that the localizer gives for it."""
         frame, stamp = self.recording.frames[i], self.stamp(i)
         type(self).now = max(self.now, stamp.to_sec())
         if tf:
@@ -152,15 +152,15 @@ class FedLocalizer(unittest.TestCase):
         return difference(pose, self.recording.frames[i]['truth'].pose)
 
     def track(self, first, last, ns='plain', **more):
-        """Good images; the last one must be tracked within 10 cm and 1.5 degrees.
+        """Sends good images. The last one must be tracked within 10 cm and 1.5 degrees.
 
-        Half a second after a start known to 10 cm, with 300 particles, it is 1 to 4 cm; the most in
-        some sixty such starts with three seeds was 5.6 cm.
+        Half a second after a start with a standard deviation of 10 cm, 300 particles have an error of
+        1 to 4 cm. The largest error in about sixty starts with three seeds was 5.6 cm.
         """
         for i in range(first, last):
             status = self.send(i, ns, **more)
         metres, degrees = self.error(last - 1, ns)
-        self.assertEqual(status.state_name, 'tracking', '%s; off by %.3f m, %.2f deg: %s' % (
+        self.assertEqual(status.state_name, 'tracking', '%s; error %.3f m, %.2f deg: %s' % (
             status.problem, metres, degrees, status))
         self.assertLess(metres, 0.1)
         self.assertLess(degrees, 1.5)

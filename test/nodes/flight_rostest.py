@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The localizer follows a simulated flight: pose, tf, cloud, status, model, odometry in the map."""
+"""The localizer tracks a simulated flight. Checks pose, tf, cloud, status, model and odometry."""
 import math
 import sys
 import threading
@@ -60,10 +60,11 @@ class Flight(unittest.TestCase):
             self.assertGreater(len(common), 20, 'hardly any poses: %s' % {k: len(v) for k, v in got.items()})
             errors = [difference(got['pose'][t].pose.pose, got['truth'][t].pose)
                       for t in common if t > 2e9]
-            # One second to converge from 10 cm and 3 degrees; then what the issue asks of a flight.
+            # The start has an error of 10 cm and 3 degrees, and the filter has one second to converge. The
+            # limits after it are the required ones.
             self.assertLess(max(e[0] for e in errors), 0.05)
             self.assertLess(max(e[1] for e in errors), 1.5)
-            # tf says the same: map -> odom -> base_link.
+            # tf must give the same pose: map -> odom -> base_link.
             found = 0
             for t in common:
                 stamp = rospy.Time(nsecs=t)
@@ -93,7 +94,7 @@ class Flight(unittest.TestCase):
             self.assertEqual(got['overlay'][max(got['overlay'])].width, 320)
             self.assertTrue(got['odometry'])
             self.assertTrue(got['diagnostics'])
-            # An IMU in gentle flight measures gravity, on average along z.
+            # In gentle flight an IMU measures gravity, on average along its z axis.
             up = [m.linear_acceleration.z for m in got['imu'].values()]
             self.assertAlmostEqual(sum(up) / len(up), 9.81, delta=0.3)
         del subscribers, listener

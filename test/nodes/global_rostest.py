@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The localizer finds the robot in the whole building, and again when it is told to."""
+"""The localizer finds the robot in the whole building, and searches again when a service asks for it."""
 import math
 import sys
 import threading
@@ -34,7 +34,7 @@ class Global(unittest.TestCase):
             rospy.Subscriber('hypotheses', PoseArray, keep('hypotheses')),
         ]
 
-        # What an attitude sensor would say: the simulator's IMU knows no orientation.
+        # The IMU of the simulator gives no orientation. This message acts as an attitude sensor.
         imu = rospy.Publisher('imu', Imu, queue_size=50)
 
         def level(truth):

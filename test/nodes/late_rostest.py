@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What comes late, in another order than one would like, or of another time."""
+"""Messages that come late, in an unexpected order, or from another time."""
 import copy
 import math
 import sys
@@ -31,19 +31,19 @@ class Late(FedLocalizer):
             self.assertNotIn('no odometry', self.send_with_late_tf(i).problem)
         for i in range(8, 14):
             self.assertIn('no odometry', self.send(i, tf=False).problem)
-        self.send_with_late_tf(14)  # that it comes again is known after this one only
+        self.send_with_late_tf(14)  # only after this image the localizer knows that odometry comes again
         for i in range(15, 25):
             self.assertNotIn('no odometry', self.send_with_late_tf(i).problem)
 
     def test_a_camera_that_turns_on_the_robot(self):
-        # Its mounting is that of the image's time, though newer ones have come since.
+        # The mounting at the time of the image counts, although a newer one has come.
         def mounting(stamp, degrees):
             message = copy.deepcopy(self.recording.mounting)
             transform = message.transforms[0]
             transform.header.stamp, transform.child_frame_id = stamp, 'gimbal'
             q = transform.transform.rotation
             c, s = math.cos(math.radians(degrees) / 2), math.sin(math.radians(degrees) / 2)
-            # About the camera's own y axis.
+            # The camera turns about its own y axis.
             q.x, q.y, q.z, q.w = (q.x * c - q.z * s, q.y * c + q.w * s, q.z * c + q.x * s,
                                   q.w * c - q.y * s)
             return message
@@ -93,7 +93,7 @@ class Late(FedLocalizer):
         self.begin('topic')
         fly(0, 15)
 
-        # Between images the pose goes on with odometry, and is known less well the longer it does.
+        # Between images odometry moves the pose. The longer it does, the larger is the covariance.
         def filtered(seconds):
             stamp = self.stamp(14) + rospy.Duration(seconds)
             publisher.publish(self.odometry(14, stamp))
@@ -105,12 +105,12 @@ class Late(FedLocalizer):
         self.assertGreater(soon, 0)
         self.assertGreater(later, 2 * soon)
 
-        # A bag in a loop: what was received before is of another time.
+        # A bag is played in a loop. Messages from before the jump belong to another time.
         self.start -= 60
         status = fly(0, 30)
         self.assertEqual(status.state_name, 'tracking', status.problem)
 
-        # A pose that is forgotten is not carried on.
+        # After the pose is forgotten, odometry does not move it on.
         rospy.ServiceProxy('/topic/global_localization', Empty)()
         time.sleep(0.2)
         with changed:
@@ -138,17 +138,17 @@ class Late(FedLocalizer):
             status = self.send(i, 'pair')
             self.assertIn('b: no image of this moment', status.problem)
             self.assertLess(status.visible_samples, 1.3 * alone[i])
-        for i in range(6, 14):  # by half of the time between images, and more than the window
+        for i in range(6, 14):  # late by half of the time between images, which is more than the window
             timer = threading.Timer(0.035, lambda i=i: send_b(i))
             timer.start()
             status = self.send(i, 'pair')
             timer.join()
-            if i > 6:  # that it comes at all is known after the first only
+            if i > 6:  # only after the first image the localizer knows that they come
                 self.assertNotIn('no image', status.problem, 'image %d' % i)
                 self.assertGreater(status.visible_samples, 1.5 * alone[i])
         for i in (14, 15):
             send_b(i)
-        for i in range(14, 24):  # the other one is two images ahead
+        for i in range(14, 24):  # camera b is two images ahead
             send_b(i + 2)
             status = self.send(i, 'pair')
             self.assertNotIn('no image', status.problem, 'image %d' % i)

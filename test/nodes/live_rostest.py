@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The simulator flies as it is told, by its own clock, and sees what it should."""
+"""The simulator flies by commands and by its own clock, and publishes the right images."""
 import math
 import sys
 import threading
@@ -30,7 +30,7 @@ class Live(unittest.TestCase):
         commands = rospy.Publisher('cmd_vel', Twist, queue_size=1)
 
         def fly(velocity, turn, seconds):
-            """Commands at 20 Hz of the simulated clock; returns where that led."""
+            """Sends commands at 20 Hz of the simulated clock. Returns the true pose at the end."""
             twist = Twist()
             twist.linear.x, twist.linear.y, twist.linear.z = velocity
             twist.angular.z = turn
@@ -47,23 +47,23 @@ class Live(unittest.TestCase):
         commands.publish(bad)
         begin = fly((0, 0, 0), 0, 0.3)
         there = fly((0.6, 0, 0), 0, 1.5)
-        yaw = math.radians(35)  # of the scenario's first waypoint
+        yaw = math.radians(35)  # heading at the first waypoint of the scenario
         forward = ((there.position.x - begin.position.x) * math.cos(yaw) +
                    (there.position.y - begin.position.y) * math.sin(yaw))
         sideways = ((there.position.y - begin.position.y) * math.cos(yaw) -
                     (there.position.x - begin.position.x) * math.sin(yaw))
-        # 0.6 m/s for 1.5 s, less what it takes to get there (a lag of about half a second).
+        # 0.6 m/s for 1.5 s are 0.9 m. A lag of about half a second makes it less.
         self.assertGreater(forward, 0.3)
         self.assertLess(forward, 0.95)
         self.assertLess(abs(sideways), 0.05)
-        # Into a wall: it stops in front of it.
+        # It flies towards a wall and stops in front of it.
         end = fly((2, 0, 0), 0, 4)
         self.assertTrue(0.1 < end.position.x < 5.9 and 0.1 < end.position.y < 5.9, end)
         with changed:
             self.assertGreater(len(got['image']), 10)
             self.assertEqual(len(got['image'][-1].data), 320 * 240 * 3)
             self.assertTrue(any(any(m.data) for m in got['mask']), 'the person is never seen')
-            # 200 readings a simulated second.
+            # The IMU gives 200 readings per simulated second.
             stamps = [m.header.stamp.to_sec() for m in got['imu']]
             steps = [b - a for a, b in zip(stamps, stamps[1:])]
             self.assertAlmostEqual(sorted(steps)[len(steps) // 2], 1 / 200, places=6)

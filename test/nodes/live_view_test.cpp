@@ -1,4 +1,4 @@
-/// What the viewer makes of a live system's messages, one by one.
+/// Tests how the viewer uses the messages of a live system, message by message.
 #include <gtest/gtest.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -21,7 +21,7 @@ bool within(double seconds, const std::function<bool()>& condition) {
   return condition();
 }
 
-/// Messages are published as they are, so that they are in the queue when publish() returns.
+/// Messages are published as shared objects. So they are in the queue when publish() returns.
 class LiveViewTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -81,10 +81,13 @@ class LiveViewTest : public ::testing::Test {
   std::unique_ptr<LiveView> view_;
 };
 
+/// More moments come than the viewer keeps images for. It must leave out moments instead of showing
+/// them without an image.
 TEST_F(LiveViewTest, WhoIsFarBehindLeavesMomentsOutRatherThanShowingThemEmpty) {
-  constexpr int kMoments = 150;  // more than images are kept
+  constexpr int kMoments = 150;  // more than the images that the viewer keeps
   for (int i = 0; i < kMoments; ++i) sendMoment(10 + 0.03 * i);
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // longer than it waits
+  // Longer than the viewer waits for parts of a moment.
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
   ViewMoment moment;
   int taken = 0;
   while (view_->next(&moment)) {
@@ -96,6 +99,8 @@ TEST_F(LiveViewTest, WhoIsFarBehindLeavesMomentsOutRatherThanShowingThemEmpty) {
   EXPECT_NEAR(moment.time, 10 + 0.03 * (kMoments - 1), 1e-6);
 }
 
+/// The camera moves from x = 1 m at 10 s to x = 2 m at 12 s. The true mounting at 11 s is x = 1.5
+/// m.
 TEST_F(LiveViewTest, AMountThatMovesIsWhereItWasThen) {
   const auto info = boost::make_shared<sensor_msgs::CameraInfo>();
   info->width = 64;
@@ -106,7 +111,7 @@ TEST_F(LiveViewTest, AMountThatMovesIsWhereItWasThen) {
   send(info_, info, 10);
   sendMounting(10, 1);
   sendMounting(12, 2);
-  std::this_thread::sleep_for(std::chrono::seconds(1));  // tf has a thread of its own
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // tf listens in its own thread
   ViewMoment moment;
   sendMoment(11);
   ASSERT_TRUE(view_->next(&moment));

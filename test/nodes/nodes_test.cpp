@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+
 #include <ros/time.h>
 #include <sys/resource.h>
+#include <boost/make_shared.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -13,6 +15,7 @@
 #include <random>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/base/parameter_struct.h"
 #include "edge_mcl/core/camera/mask_motion.h"
 #include "edge_mcl/nodes/bags/bag_writer.h"
 #include "edge_mcl/nodes/common/patience.h"
@@ -47,8 +50,9 @@ TEST(RosConversions, PosesComeBack) {
   }
 }
 
-/// The message's covariance is that of position and fixed-axis rotation in the map: compared with
-/// the sample covariance of many poses, whose rotations are small enough for the first order.
+/// The covariance of the message is the covariance of position and fixed-axis rotation in the map.
+/// The truth is the sample covariance of many poses. Their rotations are small enough for the first
+/// order.
 TEST(RosConversions, CovarianceIsInMapAxes) {
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
@@ -72,7 +76,8 @@ TEST(RosConversions, CovarianceIsInMapAxes) {
   const geometry_msgs::PoseWithCovariance message = toPoseMessage(gaussian);
   for (int r = 0; r < 6; ++r)
     for (int c = 0; c < 6; ++c) {
-      // Four standard errors of a sample covariance, and the second order (0.03 rad squared).
+      // The tolerance is four standard errors of a sample covariance, plus the second order (0.03
+      // rad squared).
       const double error = 4 * std::sqrt(2.0 / kSamples * sampled(r, r) * sampled(c, c));
       EXPECT_NEAR(message.covariance[6 * r + c], sampled(r, c),
                   error + 1e-3 * std::sqrt(sampled(r, r) * sampled(c, c)));
@@ -118,13 +123,13 @@ TEST(RosConversions, CameraComesBack) {
   }
 }
 
-/// Every encoding that robots send gives the picture it was made from.
+/// An image in an encoding that robots send must come back with its pixels.
 TEST(RosConversions, ImageEncodings) {
   const cv::Mat grey(8, 10, CV_8U, cv::Scalar(90)), color(8, 10, CV_8UC3, cv::Scalar(10, 90, 200)),
       deep(8, 10, CV_16U, cv::Scalar(90 * 257)),
       alpha(8, 10, CV_8UC4, cv::Scalar(10, 90, 200, 255));
   const auto read = [](const cv::Mat& image, const char* encoding) {
-    // Not copied, the pixels go with the message.
+    // The pixels are not copied, so they live as long as the message.
     return fromMessage(toImage(image, encoding, ros::Time(1), ""), "test").clone();
   };
   EXPECT_EQ(read(grey, "mono8").at<uint8_t>(3, 3), 90);
@@ -148,6 +153,7 @@ TEST(MaskMatcher, WithoutMasksTheNewestImageWins) {
   EXPECT_EQ(matcher.dropped(), 2u);
 }
 
+/// An image waits for its mask, at most 0.5 s.
 TEST(MaskMatcher, ImagesWaitForTheirMasks) {
   MaskMatcher matcher(true, 0.5);
   for (int i = 1; i <= 3; ++i) matcher.addImage(stamped(i), 0.1 * i);
@@ -158,7 +164,7 @@ TEST(MaskMatcher, ImagesWaitForTheirMasks) {
   EXPECT_EQ(second->image->header.stamp.toSec(), 2);
   EXPECT_EQ(matcher.dropped(), 1u);
   EXPECT_FALSE(matcher.take(0.79));
-  const auto third = matcher.take(0.81);  // waited for half a second
+  const auto third = matcher.take(0.81);  // it has waited for half a second
   ASSERT_TRUE(third);
   EXPECT_FALSE(third->mask);
   // A mask may come before its image.
@@ -177,7 +183,8 @@ TEST(MaskMatcher, ForgetsWhatWaitsWhenTheClockJumpsBack) {
   EXPECT_FALSE(matcher.take(10));
 }
 
-/// Another camera says the moment: the image of that moment counts, and newer ones wait for theirs.
+/// Another camera gives the time of the moment. The image of this time is taken, and newer images
+/// wait for their own moments.
 TEST(MaskMatcher, TakesTheImageOfAMoment) {
   MaskMatcher matcher(true, 0.5);
   const auto near = [&](double stamp, double now) {
@@ -192,11 +199,11 @@ TEST(MaskMatcher, TakesTheImageOfAMoment) {
   const auto second = near(2, 0.1);
   ASSERT_TRUE(second.match && second.match->mask);
   EXPECT_EQ(second.match->image->header.stamp, ros::Time(2.01));
-  EXPECT_EQ(matcher.dropped(), 1u);  // that of 1.01
+  EXPECT_EQ(matcher.dropped(), 1u);  // the image of 1.01 s
   const auto third = near(3, 0.6);
   ASSERT_TRUE(third.match);
-  EXPECT_FALSE(third.match->mask);  // it was waited for
-  // Gone by, missing, and still to come.
+  EXPECT_FALSE(third.match->mask);  // its mask was awaited for half a second
+  // The image of 1 s was dropped, the image of 2.5 s is missing, the image of 4 s may still come.
   EXPECT_FALSE(near(1, 0.6).may_come);
   EXPECT_FALSE(near(2.5, 0.6).may_come);
   EXPECT_TRUE(near(4, 0.6).may_come);
@@ -217,7 +224,7 @@ TEST(Patience, EndsWithTheFourthMissAndComesBackWithNews) {
   EXPECT_TRUE(patience.isWorthwhile(8));
 }
 
-/// What always comes too late, though it comes: hardly any image waits for it.
+/// The data always come too late. So hardly any image may wait for them.
 TEST(Patience, TriesMoreAndMoreSeldom) {
   Patience patience;
   int waits = 0;
@@ -230,7 +237,7 @@ TEST(Patience, TriesMoreAndMoreSeldom) {
   EXPECT_GT(waits, 10);
 }
 
-/// A camera of a sixth of the rate has no image for most moments, and those do not wait.
+/// A camera with a sixth of the rate has no image for most moments. These moments must not wait.
 TEST(MaskMatcher, KnowsWhenTheNextImageIsDue) {
   MaskMatcher matcher(false, 0);
   for (const double at : {1.0, 1.2, 1.4}) matcher.addImage(stamped(at), 0);
@@ -246,7 +253,8 @@ TEST(MaskMatcher, DoesNotGrow) {
   EXPECT_GT(matcher.dropped(), 9900u);
 }
 
-/// A turned mask covers where the rays of its pixels are seen after the turn.
+/// The truth is the rays of the pixels: a turned mask covers the pixels where the rays of the mask
+/// are after the turn.
 TEST(MaskMotion, FollowsTheRays) {
   CameraModel camera;
   camera.width = 320;
@@ -265,7 +273,7 @@ TEST(MaskMotion, FollowsTheRays) {
       const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
       Eigen::Vector2d then;
       ASSERT_TRUE(camera.project(turn.transpose() * ray, &then));
-      // One pixel inside or outside of the border, where rounding decides nothing.
+      // Pixels within one pixel of the border are left out, because rounding decides about them.
       const double in = std::min({then.x() - 150, 189 - then.x(), then.y() - 100, 129 - then.y()});
       if (std::abs(in) < 1) continue;
       EXPECT_EQ(turned.at<uint8_t>(y, x) > 0, in > 0) << x << " " << y;
@@ -310,7 +318,8 @@ TEST(NodeParameters, AllFaultsAtOnce) {
   }
 }
 
-/// What plugins of image_transport and the diagnostics leave below the node's name is not ours.
+/// Plugins of image_transport and the diagnostics have parameters below the name of the node. They
+/// are not parameters of the node.
 TEST(NodeParameters, OfOtherLibrariesAreLeftAlone) {
   NodeParameters node;
   Parameters method;
@@ -322,17 +331,15 @@ TEST(NodeParameters, OfOtherLibrariesAreLeftAlone) {
                                   &node, &method));
 }
 
-/// The documentation lists every parameter of the node.
+/// docs/ros.md must list every parameter of the node.
 TEST(NodeParameters, AreDocumented) {
   std::ifstream in(EDGE_MCL_DOCS "/ros.md");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  NodeParameters node;
-  node.visit([&](const char* name, auto&, const char*, const char*) {
-    EXPECT_NE(text.find(std::string("`") + name + "`"), std::string::npos) << name;
-  });
+  for (const std::string& name : parameterNames(NodeParameters()))
+    EXPECT_NE(text.find("`" + name + "`"), std::string::npos) << name;
 }
 
-/// What is written says how many bits and channels it has.
+/// A message must name the bits and channels of its image.
 TEST(RecordingMessages, ImagesOfEveryKindAreNamedRightly) {
   const RecordingMessages messages({}, {});
   for (const auto& [type, encoding] : std::map<int, std::string>{{CV_8UC1, "mono8"},
@@ -350,7 +357,8 @@ TEST(RecordingMessages, ImagesOfEveryKindAreNamedRightly) {
   EXPECT_THROW(messages.image(cv::Mat(6, 8, CV_32FC2), ros::Time(1)), InputError);
 }
 
-/// A full disk, by a limit on the size of files: one error, no crash, what was written stays there.
+/// A limit on the size of files acts as a full disk. There must be one error and no crash, and the
+/// data that were written must stay.
 TEST(BagWriter, AFullDiskIsOneError) {
   const std::string file =
       (std::filesystem::temp_directory_path() / ("edge_mcl_full_" + std::to_string(getpid())))
@@ -407,7 +415,7 @@ TEST(ParticleFile, ComesBack) {
   const ParticleSet back = readParticles(file);
   ASSERT_EQ(back.poses.size(), 50u);
   for (int i = 0; i < 50; ++i) {
-    // Written with nine decimals.
+    // The file has nine decimals.
     EXPECT_TRUE(back.poses[i].isApprox(particles.poses[i], 1e-8));
     EXPECT_DOUBLE_EQ(back.log_weights[i], particles.log_weights[i]);
   }

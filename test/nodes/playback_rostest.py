@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""A bag: written by the simulator, read directly, and played through the node. And how the node ends
-when it cannot begin."""
+"""A bag is written by the simulator, read directly, and played through the node. A node that cannot
+begin ends with one line."""
 import json
 import math
 import os
@@ -25,7 +25,7 @@ MODEL = os.path.join(os.environ['EDGE_MCL_MAPS'], 'office.obj')
 
 
 def tool(*arguments, status=0):
-    """Runs edge-mcl; returns what it printed."""
+    """Runs edge-mcl. Returns its output."""
     run = subprocess.run([TOOL] + list(arguments), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                          universal_newlines=True, timeout=120)
     assert run.returncode == status, '%s: exit %d\n%s' % (arguments, run.returncode, run.stdout)
@@ -69,7 +69,7 @@ class Playback(unittest.TestCase):
                  self.path(name))
         with open(self.path('first.txt')) as a, open(self.path('second.txt')) as b:
             self.assertEqual(a.read(), b.read())
-        # Odometry may be there as messages only.
+        # The bag has odometry as messages, but not in tf.
         with rosbag.Bag(self.bag) as bag, rosbag.Bag(self.path('no_tf.bag'), 'w') as without:
             for topic, message, stamp in bag.read_messages():
                 if topic != '/tf':
@@ -91,7 +91,7 @@ class Playback(unittest.TestCase):
                 changed.notify_all()
         subscriber = rospy.Subscriber('/pose', PoseWithCovarianceStamped, keep)
         publishers = {}
-        # As a player would, but waiting for the answer to every image: a busy machine drops none.
+        # Plays the bag and waits for the answer to every image, so that a busy machine drops none.
         clock = rospy.Publisher('/clock', Clock, queue_size=10)
         with rosbag.Bag(self.bag) as bag:
             messages = list(bag.read_messages(topics=[
@@ -132,7 +132,7 @@ class Playback(unittest.TestCase):
             with open(stats) as f:
                 images = json.load(f)['images']
             self.assertGreater(min(i['depth_points'] for i in images), 300)
-            # What the masks hide is left out: the person would be off the model.
+            # Depth under the masks is not used. The person there is not in the model.
             self.assertGreater(min(i['depth_agreement'] for i in images[15:]), 0.6)
             errors = [math.dist(p[:3], (truth[t].x, truth[t].y, truth[t].z))
                       for t, p in sorted(read_trajectory(self.path('depth.txt')).items())]

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The simulator's images: as the recorder takes them, never ahead of the clock. And its keys."""
+"""The node's images equal those of the recorder and are never ahead of the clock. No key is lost."""
 import os
 import pty
 import subprocess
@@ -45,7 +45,7 @@ class Simulator(unittest.TestCase):
         time.sleep(0.5)
         with self.changed:
             images, clock = dict(self.images), set(self.clock)
-        # The first were sent before this test was there.
+        # The first images were sent before this test listened.
         heard = {t: pixels for t, pixels in images.items() if t > min(clock)}
         self.assertGreater(len(heard), 4)
         self.assertEqual([t for t in sorted(heard) if t not in clock], [])
@@ -59,7 +59,7 @@ class Simulator(unittest.TestCase):
         for t, pixels in heard.items():
             expected = recorded[round((t / 1e9 - BEGIN) * RATE)]
             self.assertEqual(len(pixels), len(expected))
-            # Times differ in their last bit, outlines so here and there.
+            # Times differ in their last bit. So outlines differ in some pixels.
             apart = sum(abs(a - b) > 4 for a, b in zip(pixels, expected))
             self.assertLess(apart, 100, t)
 
@@ -85,7 +85,7 @@ class Simulator(unittest.TestCase):
             wait_for(0.0)
             os.write(terminal, b'w')
             wait_for(0.5)
-            os.write(terminal, b's ')  # both at once
+            os.write(terminal, b's ')  # both keys at once
             wait_for(0.0)
             os.close(terminal)
             self.assertEqual(teleop.wait(20), 0)

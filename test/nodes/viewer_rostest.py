@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The viewer node shows a live system, and stays up whatever its topics do."""
+"""The viewer node shows a live system, and must not end because of missing or broken messages."""
 import os
 import shlex
 import struct
@@ -22,7 +22,7 @@ BEGIN = time.time()
 
 
 def is_new(file):
-    """Not left by a run before; the viewers may hold theirs open already, so nothing is removed."""
+    """Whether this run made the file. Old files are not removed, because a viewer may hold one open."""
     return os.path.exists(file) and os.path.getmtime(file) >= BEGIN
 
 
@@ -79,7 +79,7 @@ class Viewer(unittest.TestCase):
             self.wait(lambda p=publisher: p.get_num_connections() > 0, 20, 'no viewer on ' + publisher.name)
         self.wait(lambda: self.has_said('/fed/fed_viewer', '/fed/status'), 20,
                   'it does not say what is missing')
-        # 1: a status and nothing else; 2: an image that is cut off; 3: a camera of another size.
+        # Moment 1 has only a status, 2 an image that is cut off, 3 a camera of another size.
         self.status(Status.SEARCHING, 10.0)
         self.send('image', self.image(length=100), 10.1)
         self.status(Status.TRACKING, 10.1)
@@ -89,7 +89,7 @@ class Viewer(unittest.TestCase):
         time.sleep(0.2)
         self.send('image', self.image(), 10.2)
         self.status(Status.TRACKING, 10.2)
-        # 4: poses that are no poses, particles that are none, a state that is not known.
+        # Moment 4 has invalid poses and particles, and an unknown state.
         pose = PoseWithCovarianceStamped()
         pose.pose.pose.position.x = float('nan')
         pose.pose.pose.orientation.w = 1
@@ -101,7 +101,7 @@ class Viewer(unittest.TestCase):
         self.send('image', self.image(640, 480), 10.3)
         self.status(77, 10.3)
         time.sleep(1)
-        # 5: time goes back; 6: all is well.
+        # In moment 5 time goes back. Moment 6 is without fault.
         self.status(Status.UNINITIALIZED, 1.0)
         pose.pose.pose.position.x = 2
         self.send('pose', pose, 1.1)
@@ -119,7 +119,7 @@ class Viewer(unittest.TestCase):
         self.assertGreater(os.path.getsize(OUT + '/flight.mp4'), 10000)
         with self.lock:
             faults = [said for name, said in self.texts if name == '/flight_viewer' and 'nothing comes' in said]
-        # Before the simulator has begun nothing comes, indeed; later all does.
+        # Before the simulator begins, messages are really missing. Later none is.
         self.assertLess(len(faults), 5, faults)
 
     def test_a_localizer_may_begin_later(self):

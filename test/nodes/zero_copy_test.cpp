@@ -1,5 +1,5 @@
-/// The nodelet takes images as the very objects that their publisher made. Seen from outside: while
-/// an image waits for its mask, the localizer owns a share of it.
+/// The nodelet must use the very image objects that their publisher made, without a copy. This
+/// shows from outside: while an image waits for its mask, the localizer owns a share of it.
 #include <gtest/gtest.h>
 #include <nodelet/loader.h>
 #include <ros/ros.h>
@@ -45,13 +45,13 @@ class ZeroCopy : public ::testing::Test {
     private_nh.setParam("tf_broadcast", false);
     private_nh.setParam("use_masks", true);
     private_nh.setParam("mask_policy", "skip_update");
-    private_nh.setParam("mask_timeout", 3600.0);  // the images of this test wait for good
+    private_nh.setParam("mask_timeout", 3600.0);  // the images of this test wait for ever
     private_nh.setParam("likelihood/cues", "both");
     ASSERT_TRUE(loader_.load("/localizer", "edge_mcl/Localizer", {}, {}));
   }
 
-  /// Owners of `image` besides this test, a second after it was published: by then whatever was on
-  /// its way has arrived.
+  /// Publishes and waits for one second, so that all subscribers have the message. @return number
+  /// of owners of `image` besides this test
   template <typename Published>
   static long othersAfterPublishing(const ros::Publisher& publisher,
                                     const sensor_msgs::ImagePtr& image,
@@ -64,6 +64,7 @@ class ZeroCopy : public ::testing::Test {
   nodelet::Loader loader_{false};
 };
 
+/// As a control, an image that is published as a copy gets no further owner.
 TEST_F(ZeroCopy, TheLocalizerKeepsThePublishersImages) {
   ros::NodeHandle nh;
   for (const auto& [topic, encoding, pixel_size] :
@@ -75,12 +76,13 @@ TEST_F(ZeroCopy, TheLocalizerKeepsThePublishersImages) {
     const sensor_msgs::ImagePtr copied = picture(encoding, static_cast<size_t>(pixel_size));
     EXPECT_EQ(othersAfterPublishing(publisher, copied, *copied), 0) << "the control";
     const sensor_msgs::ImagePtr shared = picture(encoding, static_cast<size_t>(pixel_size));
-    // Not the same stamp as another topic's: no image is to be complete.
+    // The stamp differs from those of other topics, so that no image is complete.
     shared->header.stamp = ros::Time(std::string(topic) == "mask" ? 50 : 2);
     EXPECT_GE(othersAfterPublishing(publisher, shared, shared), 1);
   }
 }
 
+/// The converted image must point to the pixels of the message.
 TEST(RosConversions, SharesThePixels) {
   namespace encodings = sensor_msgs::image_encodings;
   for (const auto& [encoding, size] : {std::pair{encodings::BGR8, 3}, {encodings::MONO8, 1}}) {

@@ -1,4 +1,4 @@
-// The camera class against the real OpenNI2 runtime, with the driver beside this file.
+// Tests the camera class with the real OpenNI2 runtime and the driver in rendered_driver.cpp.
 #include <OpenNI.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -29,7 +29,7 @@ DepthCameraOptions small() {
   return options;
 }
 
-/// The first frame of a kind within some seconds.
+/// Waits for the first frame of a kind, at most some seconds.
 OpenNi2Camera::Frame firstOf(OpenNi2Camera* camera, bool depth) {
   OpenNi2Camera::Frame frame;
   for (int i = 0; i < 200; ++i)
@@ -47,7 +47,7 @@ std::string messageOf(const DepthCameraOptions& options) {
   return "no error";
 }
 
-/// Every picture of the flight that the driver shows.
+/// All frames of the flight that the driver shows.
 std::vector<RecordedFrame> flight() {
   Simulator simulator(Scenario::fromYamlFile(std::getenv("EDGE_MCL_DRIVER_SCENARIO")));
   std::vector<RecordedFrame> frames;
@@ -61,6 +61,7 @@ bool isSame(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
+/// The truth is the frames of the simulator, which the driver shows. Pixels must be equal.
 TEST(OpenNi2Camera, StreamsWhatTheDriverRenders) {
   const std::vector<RecordedFrame> truth = flight();
   OpenNi2Camera camera(small());
@@ -70,7 +71,8 @@ TEST(OpenNi2Camera, StreamsWhatTheDriverRenders) {
   const Scenario scenario = Scenario::fromYamlFile(std::getenv("EDGE_MCL_DRIVER_SCENARIO"));
   for (const CameraModel& model : {camera.colorModel(), camera.depthModel()}) {
     EXPECT_EQ(model.width, 320);
-    EXPECT_NEAR(model.fx, scenario.camera.fx, 1e-3);  // fields of view are floats
+    // The driver reports fields of view in single precision.
+    EXPECT_NEAR(model.fx, scenario.camera.fx, 1e-3);
     EXPECT_NEAR(model.fy, scenario.camera.fy, 1e-3);
   }
   int colors = 0, depths = 0;
@@ -81,7 +83,7 @@ TEST(OpenNi2Camera, StreamsWhatTheDriverRenders) {
     EXPECT_GT(frame.device_time, last_time[frame.is_depth]);
     last_time[frame.is_depth] = frame.device_time;
     const auto number = static_cast<size_t>(std::lround(frame.device_time * 15));
-    if (number >= truth.size()) break;  // a slow machine
+    if (number >= truth.size()) break;  // on a slow machine the flight is over
     cv::Mat expected;
     if (frame.is_depth)
       truth[number].depth.convertTo(expected, CV_16U, 1000 / scenario.depth_scale);
@@ -102,7 +104,7 @@ TEST(OpenNi2Camera, OpensByUriAndBySerialAndSaysWhatIsThere) {
     options.color = false;
     OpenNi2Camera camera(options);
     EXPECT_FALSE(camera.hasColor());
-    EXPECT_FALSE(camera.isRegistered());  // to what?
+    EXPECT_FALSE(camera.isRegistered());  // there is no colour image to register the depth to
     EXPECT_EQ(firstOf(&camera, true).pixels.type(), CV_16UC1);
     EXPECT_THROW(camera.colorModel(), Error);
   }
@@ -167,7 +169,8 @@ TEST(OpenNi2Camera, PlaysARecordingMadeByTheRuntime) {
     if (event != Event::kFrame) continue;
     ++(frame.is_depth ? depths : colors);
     if (!frame.is_depth) continue;
-    // It is a picture of the flight: the recording has times of its own.
+    // The recording has its own times. So the depth image is compared with all frames of the
+    // flight.
     bool found = false;
     for (const RecordedFrame& t : truth) {
       cv::Mat expected;
@@ -192,8 +195,8 @@ TEST(OpenNi2Camera, ABrokenRecordingIsAnError) {
 }
 
 TEST(DeviceClock, FindsTheOffsetThroughJitter) {
-  // Frames arrive 5 ms after they were taken, plus an exponential delay; the device's clock runs
-  // 20 ppm too slow.
+  // Frames arrive 5 ms after they were taken, plus an exponential delay with a mean of 10 ms. The
+  // clock of the device is 20 ppm too slow.
   std::mt19937_64 random(7);
   std::exponential_distribution<double> delay(1 / 0.01);
   DeviceClock clock;
@@ -203,17 +206,17 @@ TEST(DeviceClock, FindsTheOffsetThroughJitter) {
     const double stamp = clock.toHost(device, taken + 0.005 + delay(random));
     EXPECT_GT(stamp, last - 1e-9);
     if (i > 100) {
-      // The least delay, the clock's allowance for drift between frames that come at once (about
-      // every thirtieth), and the drift itself.
+      // The error is the smallest delay, plus the drift that the clock allows between frames
+      // without further delay (about one in thirty), plus the real drift.
       EXPECT_NEAR(stamp, taken + 0.005, 0.004) << i;
     }
     last = stamp;
   }
-  // Begun anew: the device counts from zero again.
+  // The device starts again and counts from zero.
   EXPECT_NEAR(clock.toHost(0, 2000), 2000, 1e-9);
 }
 
-/// The device is plugged in before the runtime starts.
+/// Plugs the device in before the runtime starts.
 const bool kPlugged = [] {
   std::ofstream(std::getenv("EDGE_MCL_DRIVER_PLUGGED")).put('x');
   return true;

@@ -1,7 +1,8 @@
-// A driver for the OpenNI2 runtime whose device streams a rendered flight.
+// A driver for the OpenNI2 runtime. Its device streams a rendered flight.
 //
 // EDGE_MCL_DRIVER_SCENARIO: the flight. EDGE_MCL_DRIVER_PLUGGED: the device is there while a file
-// of this name exists. What OniDriverAPI.h expects of a library that Debian does not ship.
+// of this name exists. The two macros belong to a library that OniDriverAPI.h expects and Debian
+// does not ship.
 #define XN_NEW(type, argument) new type(argument)
 #define XN_DELETE(pointer) delete (pointer)
 #include <Driver/OniDriverAPI.h>
@@ -46,7 +47,8 @@ class RenderedStream : public StreamBase {
     running_ = true;
     return ONI_STATUS_OK;
   }
-  // Waits for the frame on its way: the runtime destroys its side of a stream that has stopped.
+  // Waits until the current frame is delivered, because the runtime destroys its side of a stopped
+  // stream.
   void stop() override {
     running_ = false;
     const std::lock_guard<std::mutex> lock(delivery_);
@@ -59,7 +61,7 @@ class RenderedStream : public StreamBase {
     if (id == ONI_STREAM_PROPERTY_VERTICAL_FOV)
       return give(static_cast<float>(2 * std::atan(camera_.height / (2 * camera_.fy))), data, size);
     if (id == ONI_STREAM_PROPERTY_MAX_VALUE) return give(10000, data, size);
-    // Recordings of streams that do not name these two play no frames.
+    // When a stream does not report these two properties, its recording plays no frames.
     if (id == ONI_STREAM_PROPERTY_CROPPING) return give(OniCropping{}, data, size);
     if (id == ONI_STREAM_PROPERTY_STRIDE) {
       const int bytes = mode_.pixelFormat == ONI_PIXEL_FORMAT_RGB888 ? 3 : 2;
@@ -176,15 +178,16 @@ class RenderedDevice : public DeviceBase {
     edge_mcl::RecordedFrame frame;
     const auto begin = std::chrono::steady_clock::now();
     for (int i = 0; running_; ++i) {
-      if (i < static_cast<int>(simulator.imageCount())) simulator.next(&frame);  // then it hovers
+      // At the end the last frame is repeated.
+      if (i < static_cast<int>(simulator.imageCount())) simulator.next(&frame);
       cv::Mat color, depth;
       cv::cvtColor(frame.color, color, cv::COLOR_BGR2RGB);
       frame.depth.convertTo(depth, CV_16U, 1000 / scenario_.depth_scale);
       const auto due = begin + std::chrono::microseconds(1000000LL * i / kFps);
       std::this_thread::sleep_until(due);
       const auto time = static_cast<uint64_t>(1000000LL * i / kFps);
-      // Not under the lock: the runtime asks for streams, and destroys them, under locks of its
-      // own, which it also takes for a new frame.
+      // Frames are delivered without the lock. The runtime creates and destroys streams under its
+      // own locks, and takes these locks for a new frame, too.
       const auto [depth_streams, color_streams] = openStreams();
       for (const auto& stream : depth_streams) stream->deliver(depth, i, time);
       for (const auto& stream : color_streams) stream->deliver(color, i, time);

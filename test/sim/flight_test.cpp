@@ -18,6 +18,7 @@ FlightPath curvedFlight(bool tilts = true) {
                                       tilts, "test");
 }
 
+/// The truth of the derivatives is the central difference.
 TEST(CubicSpline, PassesThroughItsPointsSmoothly) {
   const std::vector<double> times{0, 1, 2.5, 3, 5}, values{1, -1, 0.5, 2, 0};
   const CubicSpline spline(times, values);
@@ -38,9 +39,10 @@ TEST(CubicSpline, PassesThroughItsPointsSmoothly) {
   for (double t = 0; t <= 4; t += 0.1) EXPECT_NEAR(line.at(t), 1 + 2 * t, 1e-12);
 }
 
+/// The z axis of the body must point along the thrust: the acceleration plus gravity.
 TEST(FlightPath, TakesTheShorterWayRoundAndLeansIntoTheAcceleration) {
   const FlightPath path = curvedFlight();
-  // From 3.0 to -2.6 rad is 0.68 rad forward.
+  // The heading goes from 3.0 to -2.6 rad, which is 0.68 rad forward.
   EXPECT_LT(path.angularVelocity(8.5).norm(), 1);
   for (double t = 0.5; t < 10; t += 0.7) {
     const Pose pose = path.at(t);
@@ -55,7 +57,8 @@ TEST(FlightPath, TakesTheShorterWayRoundAndLeansIntoTheAcceleration) {
                InputError);
 }
 
-/// Poses taken from one path give it back, between them too.
+/// The poses are taken from one path. The path through them must be the same, between the poses,
+/// too.
 TEST(FlightPath, FliesRecordedPosesAgain) {
   const FlightPath path = curvedFlight();
   Trajectory poses;
@@ -68,12 +71,12 @@ TEST(FlightPath, FliesRecordedPosesAgain) {
   const FlightPath again = FlightPath::throughPoses(poses, "test");
   for (double t = 0.3; t < 9.7; t += 0.033) {
     EXPECT_LT((again.at(t).translation() - path.at(t).translation()).norm(), 1e-4);
-    // The second derivative, hence the tilt, has corners at the waypoints.
+    // The second derivative, and with it the tilt, has corners at the waypoints.
     EXPECT_LT(rotationAngle(again.at(t), path.at(t)), 1e-2);
   }
 }
 
-/// Integrates readings from the true start, by the mean of two neighbours.
+/// Integrates readings from the true start, with the mean of two neighbouring readings.
 Pose integrate(const FlightPath& path, const std::vector<ImuReading>& readings) {
   Eigen::Matrix3d rotation = path.at(readings[0].time).linear();
   Eigen::Vector3d position = path.at(readings[0].time).translation();
@@ -97,10 +100,11 @@ Pose integrate(const FlightPath& path, const std::vector<ImuReading>& readings) 
   return pose;
 }
 
+/// The truth is the end of the path.
 TEST(Imu, PerfectReadingsIntegrateToTheTruth) {
   const FlightPath path = curvedFlight();
-  // The tilt's rate jumps at the waypoints, where the rule of trapezia errs by a share of one step;
-  // so the error falls with the step.
+  // The rate of the tilt jumps at the waypoints. There the trapezoidal rule has an error of a part
+  // of one step. So the error falls with the step.
   double last = 1;
   for (const double rate : {200.0, 1000.0, 5000.0}) {
     const auto readings = simulateImu(path, {rate, 0, 0, 0, 0}, 1);
@@ -124,8 +128,8 @@ TEST(Imu, NoisyReadingsDriftAsTheirDensitiesSay) {
     const Pose end = integrate(path, simulateImu(path, noise, seed));
     angle2 += std::pow(rotationAngle(end, path.at(10)), 2);
   }
-  // White noise of density d on each of three axes: after T seconds variance 3 d^2 T. The ratio has
-  // 3 x 40 degrees of freedom: standard deviation 0.13.
+  // White noise has the density d on each of three axes. After T seconds its variance is 3 d^2 T.
+  // The ratio has 3 x 40 degrees of freedom, so its standard deviation is 0.13.
   const double expected = 3 * noise.gyroscope * noise.gyroscope * 10;
   EXPECT_NEAR(angle2 / kSeeds / expected, 1, 0.5);
 }
@@ -141,7 +145,7 @@ TEST(Imu, AtRestItMeasuresGravity) {
     force += r.specific_force / static_cast<double>(readings.size());
     turn += r.angular_velocity / static_cast<double>(readings.size());
   }
-  // The mean over 20 s has standard deviation d / sqrt(20).
+  // The mean over 20 s has the standard deviation d / sqrt(20). Five of them are allowed.
   EXPECT_LT((force - Eigen::Vector3d(0, 0, 9.80665)).norm(), 5 * noise.accelerometer / 4.47);
   EXPECT_LT(turn.norm(), 5 * noise.gyroscope / 4.47);
 }
@@ -159,7 +163,8 @@ TEST(Odometry, DriftsAsItsNoiseSays) {
     const Pose truth = path.at(0).inverse() * path.at(10);
     error2 += (last.translation() - truth.translation()).squaredNorm();
   }
-  // 100 steps of 0.1 s: variance 3 x 100 x position^2. 180 degrees of freedom: deviation 0.11.
+  // After 100 steps of 0.1 s the variance is 3 x 100 x position^2. The ratio has 180 degrees of
+  // freedom, so its standard deviation is 0.11.
   EXPECT_NEAR(error2 / kSeeds / (3 * kSteps * noise.position * noise.position), 1, 0.45);
   OdometrySimulator perfect({0, 0, 0, 0}, 1);
   perfect.next(0, path.at(0));

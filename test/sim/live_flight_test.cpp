@@ -13,6 +13,7 @@ namespace {
 
 bool everywhere(const Eigen::Vector3d&, const Eigen::Vector3d&) { return true; }
 
+/// Commands for 3 s, and then 5 s without commands.
 TEST(LiveFlight, ReachesTheCommandedVelocityAndHoversWithoutCommands) {
   LiveFlight flight(Pose::Identity(), {}, everywhere);
   double time = 0;
@@ -27,7 +28,7 @@ TEST(LiveFlight, ReachesTheCommandedVelocityAndHoversWithoutCommands) {
   EXPECT_TRUE(flight.pose().linear().isIdentity(0.01));
 }
 
-/// It tilts forward to accelerate forward, by the angle whose tangent is a / g.
+/// To accelerate forward the body tilts forward. The tangent of the angle is a / g.
 TEST(LiveFlight, TiltsToAccelerate) {
   LiveFlight flight(Pose::Identity(), {}, everywhere);
   flight.advance(0);
@@ -53,7 +54,7 @@ TEST(LiveFlight, TurnsWithTheCommandInItsOwnAxes) {
   }
   EXPECT_NEAR(flight.angularVelocity().z(), 0.8, 1e-3);
   const double yaw = std::atan2(flight.pose().linear()(1, 0), flight.pose().linear()(0, 0));
-  EXPECT_NEAR(yaw, 0.8 * (2 - 0.1), 0.02);  // behind by the lag
+  EXPECT_NEAR(yaw, 0.8 * (2 - 0.1), 0.02);  // the yaw is 0.1 s behind the command
   for (; time < 5; time += 0.01) {
     flight.command(time, {1, 0, 0}, 0);
     flight.advance(time);
@@ -62,6 +63,7 @@ TEST(LiveFlight, TurnsWithTheCommandInItsOwnAxes) {
   EXPECT_GT(flight.velocity().normalized().dot(heading.normalized()), 0.999);
 }
 
+/// The wall is at x = 1 m.
 TEST(LiveFlight, StopsAtWalls) {
   const auto free = [](const Eigen::Vector3d&, const Eigen::Vector3d& b) { return b.x() < 1; };
   LiveFlight flight(Pose::Identity(), {}, free);
@@ -76,7 +78,7 @@ TEST(LiveFlight, StopsAtWalls) {
   EXPECT_THROW(flight.command(6, {NAN, 0, 0}, 0), InputError);
 }
 
-/// Cameras ask in the middle between two readings of the IMU, or all but at one.
+/// A camera may ask for a pose in the middle between two IMU readings, or almost at one.
 TEST(LiveFlight, TellsWhereItIsAroundNowAndBearsShortSteps) {
   LiveFlight flight(Pose::Identity(), {}, everywhere);
   flight.advance(0);
@@ -94,8 +96,8 @@ TEST(LiveFlight, TellsWhereItIsAroundNowAndBearsShortSteps) {
   EXPECT_LT((flight.angularVelocity() - turn).norm(), 1e-6);
 }
 
-/// A perfect sensor's specific force, turned into the map and freed of gravity, is what integrates
-/// to the velocity.
+/// A perfect sensor measures the specific force. Turned into map axes and without gravity it must
+/// integrate to the velocity.
 TEST(LiveFlight, ItsInertialReadingsIntegrateToItsMotion) {
   LiveFlight flight(Pose::Identity(), {}, everywhere);
   ImuNoise none;

@@ -14,7 +14,8 @@ namespace edge_mcl {
 namespace {
 
 CameraModel cameraWith(DistortionModel model, int width = 160, int height = 120) {
-  // This rational polynomial turns back at a radius of 0.87: a narrower view has an inverse.
+  // This rational polynomial turns back at a radius of 0.87. Only a narrower field of view has an
+  // inverse.
   const double focal = model == DistortionModel::kRationalPolynomial ? 0.9 : 0.7;
   return test::distorted(test::pinhole(width, height, focal * width), model);
 }
@@ -25,6 +26,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryDistortion,
                                          DistortionModel::kRationalPolynomial,
                                          DistortionModel::kEquidistant));
 
+/// The truth is the projection by the camera model.
 TEST_P(EveryDistortion, RaysProjectBackToTheirPixels) {
   const CameraModel camera = cameraWith(GetParam(), 640, 480);
   const CameraRays rays(camera);
@@ -37,7 +39,7 @@ TEST_P(EveryDistortion, RaysProjectBackToTheirPixels) {
     }
 }
 
-/// A room seen from inside is six planes: the depth of every pixel is known.
+/// Seen from inside, a room consists of six planes. So the true depth of every pixel is known.
 TEST_P(EveryDistortion, DepthIsThatOfTheWalls) {
   MeshSoup soup;
   const Eigen::Vector3f low(0, 0, 0), high(6, 5, 3);
@@ -67,11 +69,11 @@ TEST_P(EveryDistortion, DepthIsThatOfTheWalls) {
         ASSERT_EQ(image.object.at<uint16_t>(y, x), 0);
       }
   }
-  // 5 mm at 3 m are asked for; single precision of room coordinates gives micrometres.
+  // 5 mm at 3 m are required. Single precision of coordinates in a room gives micrometres.
   EXPECT_LT(worst, 1e-4);
 }
 
-/// Borders of a square, projected by the camera model, are where the object's pixels begin.
+/// The camera model projects the border of a square. The pixels of the object must begin there.
 TEST_P(EveryDistortion, ObjectsBeginWhereTheyAreProjected) {
   MeshSoup room, square;
   test::addBox(&room, {-5, -5, -5}, {5, 5, 5}, 0, true);
@@ -98,8 +100,8 @@ TEST_P(EveryDistortion, ObjectsBeginWhereTheyAreProjected) {
       };
       const Eigen::Vector2d border = pixelOf(at), inside = pixelOf(0.98 * at);
       const Eigen::Vector2d towards = (inside - border).normalized();
-      // The nearest pixel centre is up to 0.71 px away; beyond that by half a pixel, the answer is
-      // certain if corners are within 0.5 px.
+      // The centre of the nearest pixel is up to 0.71 px away from a point. So 1.5 px from the
+      // border the answer is certain when corners have an error of at most 0.5 px.
       const auto objectAt = [&](const Eigen::Vector2d& p) {
         return image.object.at<uint16_t>(static_cast<int>(std::lround(p.y())),
                                          static_cast<int>(std::lround(p.x())));
@@ -112,7 +114,7 @@ TEST_P(EveryDistortion, ObjectsBeginWhereTheyAreProjected) {
     }
 }
 
-/// y = a + b t + c t^2 through points, by least squares.
+/// Fits y = a + b t + c t^2 to points, by least squares.
 Eigen::Vector3d parabolaThrough(const std::vector<Eigen::Vector2d>& points) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -124,8 +126,9 @@ Eigen::Vector3d parabolaThrough(const std::vector<Eigen::Vector2d>& points) {
   return normal.ldlt().solve(right);
 }
 
-/// Corners as a picture shows them: the sides' borders to sub-pixels, by coverage, as parabolas
-/// (distortion bends them), intersected.
+/// Finds the corners that the picture shows. The borders of the sides are found to sub-pixels by
+/// coverage, fitted by parabolas, because distortion bends them, and intersected. The truth is the
+/// projection by the camera model.
 TEST_P(EveryDistortion, RenderedCornersAreWhereTheyAreProjected) {
   MeshSoup room, square;
   test::addBox(&room, {-5, -5, -5}, {5, 5, 5}, 0, true);
@@ -142,7 +145,7 @@ TEST_P(EveryDistortion, RenderedCornersAreWhereTheyAreProjected) {
   scene.commit();
   Lighting even;
   even.ambient = 0.8;
-  even.lamps = {{0, 0, 100}};  // behind the square: every pixel of it is as bright
+  even.lamps = {{0, 0, 100}};  // behind the square, so that all its pixels are equally bright
   const CameraModel camera = cameraWith(GetParam(), 640, 480);
   const RenderedImage image = Renderer(scene, camera, even).render(Pose::Identity());
   const double full = image.color.at<cv::Vec3b>(240, 320)[1];
@@ -153,15 +156,17 @@ TEST_P(EveryDistortion, RenderedCornersAreWhereTheyAreProjected) {
       ASSERT_TRUE(camera.project(placed * Eigen::Vector3d(0.8 * right, 0.6 * down, 0), &corner));
       const auto cx = static_cast<int>(corner.x()), cy = static_cast<int>(corner.y());
       ASSERT_TRUE(cx > 15 && cy > 15 && cx < 624 && cy < 464);
-      std::vector<Eigen::Vector2d> horizontal, vertical;  // from (cx, cy): along, across
+      // Points of the sides, relative to (cx, cy): along the side, across the side.
+      std::vector<Eigen::Vector2d> horizontal, vertical;
       for (int k = 4; k < 30; ++k) {
         const int x = cx - static_cast<int>(right) * k, y = cy - static_cast<int>(down) * k;
-        double below = 0, beside = 0;  // covered lengths within ten pixels
+        double below = 0, beside = 0;  // lengths that the square covers within ten pixels
         for (int j = -10; j <= 10; ++j) {
           below += coverage(x, cy + j);
           beside += coverage(cx + j, y);
         }
-        // Covered from the border to the window's end on the square's side.
+        // On the side of the square, everything from the border to the end of the window is
+        // covered.
         horizontal.emplace_back(x - cx, down * (below - 10.5));
         vertical.emplace_back(y - cy, right * (beside - 10.5));
       }
@@ -171,15 +176,17 @@ TEST_P(EveryDistortion, RenderedCornersAreWhereTheyAreProjected) {
         found.y() = h[0] + found.x() * (h[1] + found.x() * h[2]);
         found.x() = v[0] + found.y() * (v[1] + found.y() * v[2]);
       }
-      // Half a pixel is asked for. Rays on a grid of quarters show a border to an eighth of a
-      // pixel, which along a side that follows the pixels is the same everywhere; four pixels
-      // outside its points a parabola is off by up to twice that, on two sides: 0.35.
+      // Half a pixel is required. Rays on a grid of quarters show a border with an error of up to
+      // an eighth of a pixel. Along a side that is parallel to the rows of pixels, this error is
+      // the same everywhere. Four pixels outside its points a parabola has an error of up to twice
+      // that. Two sides together give 0.35.
       found += Eigen::Vector2d(cx, cy);
       EXPECT_LT((found - corner).norm(), 0.35) << right << " " << down;
     }
 }
 
-/// Sub-pixel truth: the coverage of the border pixels gives area and centre of a square.
+/// The truth is the area and the centre of a square to sub-pixels. The coverage of the border
+/// pixels must give both.
 TEST(Renderer, OutlinesAreSmoothedByTheirCoverage) {
   MeshSoup room, square;
   test::addBox(&room, {-5, -5, -5}, {5, 5, 5}, 0, true);
@@ -191,7 +198,7 @@ TEST(Renderer, OutlinesAreSmoothedByTheirCoverage) {
   Scene scene(weldMesh(std::move(room), 1e-6, "room"));
   scene.addObject(weldMesh(std::move(square), 1e-6, "square"));
   Lighting even;
-  even.ambient = 0.8;  // faces the same way everywhere, and the lamp is behind the square
+  even.ambient = 0.8;  // the lamp is behind the square, so all of it is equally bright
   even.lamps = {{0, 0, 100}};
   const CameraModel camera = test::pinhole(320, 240, 230);
   const RenderedImage image = Renderer(scene, camera, even).render(Pose::Identity());
@@ -205,19 +212,21 @@ TEST(Renderer, OutlinesAreSmoothedByTheirCoverage) {
       y_sum += share * y;
     }
   const double width = camera.fx * 1.03 / 2, height = camera.fy * 0.81 / 2;
-  // Sixteen rays on a grid of quarters: a straight border is known to an eighth of a pixel, four of
-  // them over 110 and 90 pixels give two thousandths of the area.
+  // Sixteen rays on a grid of quarters show a straight border with an error of up to an eighth of a
+  // pixel. Four borders around 110 x 90 pixels give an error of two thousandths of the area.
   EXPECT_NEAR(area / (width * height), 1, 3e-3);
   EXPECT_NEAR(x_sum / area, camera.cx + camera.fx * 0.015 / 2, 0.1);
   EXPECT_NEAR(y_sum / area, camera.cy + camera.fy * 0.005 / 2, 0.1);
 }
 
-/// Nearest triangle of a ray by Moeller and Trumbore, in double precision.
+/// Finds the object of the nearest triangle on a ray, by Moeller and Trumbore, in double precision.
+/// @param margin gets the smallest distance of the ray from the border of any triangle, in
+/// barycentric coordinates @return number of the part; -1: none
 int nearestObject(const std::vector<std::pair<const MeshModel*, Pose>>& parts,
                   const Eigen::Vector3d& eye, const Eigen::Vector3d& d, double* margin) {
   double nearest = 1e9;
   int object = -1;
-  *margin = 1e9;  // how close the ray passes to any triangle's border
+  *margin = 1e9;  // no border has been met yet
   for (size_t k = 0; k < parts.size(); ++k)
     for (const auto& t : parts[k].first->triangles) {
       const auto corner = [&](int i) {
@@ -239,6 +248,7 @@ int nearestObject(const std::vector<std::pair<const MeshModel*, Pose>>& parts,
   return object;
 }
 
+/// The truth is nearestObject(). Only rays on the border of a face may differ.
 TEST(Renderer, ObjectNumbersAreThoseOfABruteForceSearch) {
   const MeshModel rooms = test::furnishedRooms(), column = test::column(9, 0.3f, 1.5f);
   Scene scene(rooms);
@@ -271,6 +281,7 @@ TEST(Renderer, ObjectNumbersAreThoseOfABruteForceSearch) {
   EXPECT_LT(unclear, 5);
 }
 
+/// The truth is worked out by hand for a room of 4 x 4 x 3 m.
 TEST(Scene, ClearanceIsTheDistanceToTheNearestFace) {
   MeshSoup soup;
   test::addBox(&soup, {0, 0, 0}, {4, 4, 3}, 0, true);

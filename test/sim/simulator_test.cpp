@@ -11,7 +11,8 @@
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/recordings/sequence.h"
-#include "edge_mcl/localization/recorded/sequence_localizer.h"
+#include "edge_mcl/localization/recorded/recorded_localizer.h"
+#include "edge_mcl/localization/recorded/sequence_input.h"
 #include "edge_mcl/sim/random_flight.h"
 #include "edge_mcl/sim/sequence_writer.h"
 #include "support/scenes.h"
@@ -39,7 +40,7 @@ class SimulatorTest : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// A flight through the office with a small camera.
+  /// Writes the scenario of a flight through the office with a small camera. @return its file
   std::string scenario(const std::string& more = "",
                        const std::string& path =
                            "path:\n"
@@ -77,6 +78,7 @@ class SimulatorTest : public testing::Test {
   }
 };
 
+/// Two recordings with one seed must be equal in every byte. Another seed gives other images.
 TEST_F(SimulatorTest, SameSeedSameBytes) {
   const std::string file = scenario("faults: {noise: 3, exposure_swing: 0.2, dropped: 0.3}\n");
   const fs::path a = record(file, "a", 6), b = record(file, "b", 6), c = record(file, "c", 6, 2);
@@ -84,7 +86,7 @@ TEST_F(SimulatorTest, SameSeedSameBytes) {
   for (const auto& entry : fs::recursive_directory_iterator(a)) {
     if (!entry.is_regular_file()) continue;
     const fs::path name = fs::relative(entry.path(), a);
-    if (name == "sequence.yaml") continue;  // holds the directory's name
+    if (name == "sequence.yaml") continue;  // holds the name of the directory
     ++files;
     EXPECT_EQ(contentOf(a / name), contentOf(b / name)) << name;
     differ += contentOf(a / name) != contentOf(c / name);
@@ -93,6 +95,7 @@ TEST_F(SimulatorTest, SameSeedSameBytes) {
   EXPECT_GT(differ, 5);
 }
 
+/// The truth is the recorded ground truth.
 TEST_F(SimulatorTest, WhatItWritesIsASequenceAndIsTracked) {
   const std::string out = record(scenario(), "out", 100);
   const Sequence sequence = readSequence(out);
@@ -100,21 +103,25 @@ TEST_F(SimulatorTest, WhatItWritesIsASequenceAndIsTracked) {
   ASSERT_TRUE(sequence.has_odometry);
   Parameters params;
   params.filter.particles = 300;
-  const LocalizationMap map(sequence.model_file, params);
-  SequenceLocalizer localizer(map, sequence, true);
+  auto input = std::make_unique<SequenceInput>(sequence, SequenceParts());
+  const RecordedStart start{input->initialPose(), std::nullopt};
+  RecordedLocalizer localizer(std::make_shared<LocalizationMap>(sequence.model_file, params),
+                              std::move(input), start);
   double worst = 0;
   for (const SequenceFrame& frame : sequence.frames) {
-    const LiveResult r = localizer.step();
+    ASSERT_TRUE(localizer.next());
+    const LiveResult& r = localizer.result();
     EXPECT_TRUE(r.updated) << r.problem;
     ASSERT_TRUE(frame.ground_truth && !frame.mask_file.empty());
     worst =
         std::max(worst, (r.estimate.mean.translation() - frame.ground_truth->translation()).norm());
   }
-  // Medians are some millimetres; a wrong frame or stamp anywhere would cost decimetres.
+  // Median errors are some millimetres. A wrong frame or time stamp would cost decimetres.
   EXPECT_LT(worst, 0.10);
 }
 
-/// Whatever the model's format, the recording's map is the same building with the same edges.
+/// The recording holds the model as OBJ. It must be the same building with the same edges, in every
+/// format of the original.
 TEST_F(SimulatorTest, TheMapOfARecordingIsTheModel) {
   const Scenario s = Scenario::fromYamlFile(scenario());
   for (const char* name : {"office.obj", "office.dae"}) {
@@ -129,6 +136,7 @@ TEST_F(SimulatorTest, TheMapOfARecordingIsTheModel) {
   }
 }
 
+/// Noise and blur change the colour image. Depth and mask stay as they are.
 TEST_F(SimulatorTest, FaultsSpoilTheImageAlone) {
   Scenario clean = Scenario::fromYamlFile(scenario()), faulty = clean;
   clean.faults.noise = 0;
@@ -143,14 +151,14 @@ TEST_F(SimulatorTest, FaultsSpoilTheImageAlone) {
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) {
       const int value = a.color.at<cv::Vec3b>(y, x)[1];
-      if (value < 40 || value > 215) continue;  // not clipped
+      if (value < 40 || value > 215) continue;  // only values that noise does not clip
       const double d = b.color.at<cv::Vec3b>(y, x)[1] - value;
       sum += d;
       squares += d * d;
       ++n;
     }
-  EXPECT_NEAR(sum / n, 0, 0.15);                 // 6 / sqrt(50,000), five times
-  EXPECT_NEAR(std::sqrt(squares / n), 6, 0.15);  // rounding adds 1/12
+  EXPECT_NEAR(sum / n, 0, 0.15);                 // five times 6 / sqrt(50,000)
+  EXPECT_NEAR(std::sqrt(squares / n), 6, 0.15);  // rounding adds a variance of 1/12
   Scenario blurred = clean;
   blurred.faults.exposure_time = 0.1;
   RecordedFrame c;
@@ -164,7 +172,7 @@ TEST_F(SimulatorTest, FaultsSpoilTheImageAlone) {
   EXPECT_GT(cv::norm(a.color, c.color, cv::NORM_L1), 1e5);
 }
 
-/// The node takes images so, the recorder by next().
+/// The recorder takes images by next(), the node by take(). Both must be equal.
 TEST_F(SimulatorTest, APathIsBlurredAlikeHoweverItIsTaken) {
   Scenario s = Scenario::fromYamlFile(scenario());
   s.faults.noise = 0;
@@ -183,7 +191,8 @@ TEST_F(SimulatorTest, APathIsBlurredAlikeHoweverItIsTaken) {
   EXPECT_GT(cv::norm(a.color, c.color, cv::NORM_L1), 1e5);
 }
 
-/// Between the images the path goes round; a straight line would not.
+/// Between two images the path goes through the door. The straight line between them crosses the
+/// wall.
 TEST_F(SimulatorTest, FewImagesDoNotCutCorners) {
   const std::string through_the_door =
       "path:\n"
@@ -209,7 +218,7 @@ TEST_F(SimulatorTest, DroppedImagesAreAboutAsManyAsAskedFor) {
     RecordedFrame frame;
     dropped += !simulator.next(&frame);
   }
-  EXPECT_NEAR(dropped / 401.0, 0.25, 0.09);  // four standard deviations
+  EXPECT_NEAR(dropped / 401.0, 0.25, 0.09);  // four standard deviations of 401 images
 }
 
 TEST_F(SimulatorTest, BadScenariosAreOneClearLine) {
@@ -252,6 +261,7 @@ TEST_F(SimulatorTest, BadScenariosAreOneClearLine) {
   EXPECT_NE(messageOf((folder_ / "broken.yaml").string()), "");
 }
 
+/// Each file of a sequence that exists already stops the recording, and nothing is written.
 TEST_F(SimulatorTest, NothingOfAUserIsOverwritten) {
   const Scenario s = Scenario::fromYamlFile(scenario());
   const Simulator simulator(s);
@@ -281,7 +291,7 @@ TEST_F(SimulatorTest, ARecordingIsCalledAsItsDirectory) {
   }
 }
 
-/// A limit on the size of files stands for a disk that is full.
+/// A limit on the size of files acts as a full disk.
 TEST_F(SimulatorTest, AFullDiskEndsTheRecordingWhichStaysReadable) {
   Scenario s = Scenario::fromYamlFile(scenario());
   s.faults.noise = 0;
@@ -320,7 +330,7 @@ TEST_F(SimulatorTest, RandomFlightsAreClearAndGoByTheirSeed) {
   std::vector<Eigen::Vector3d> ends;
   for (const uint64_t seed : {1, 2, 3, 1}) {
     s.seed = seed;
-    // The simulator itself checks the clearance at every image.
+    // The constructor of the simulator checks the clearance at every image.
     const Simulator simulator(s);
     const FlightPath& path = simulator.scenario().path;
     EXPECT_GE(path.end(), 15);
@@ -346,6 +356,7 @@ TEST(RandomFlight, MayBeLongInAWideHall) {
   EXPECT_GE(randomFlight(scene, request, "hall").end(), 300);
 }
 
+/// The maps in the repository must be equal to the output of their script, byte for byte.
 TEST(Maps, AreWhatTheirScriptMakes) {
   const fs::path folder = fs::temp_directory_path() / ("edge_mcl_maps_" + std::to_string(getpid()));
   ASSERT_EQ(
@@ -363,7 +374,7 @@ TEST(Maps, AreWhatTheirScriptMakes) {
   fs::remove_all(folder);
 }
 
-/// The same building in two formats.
+/// The office exists in two formats. Both must give the same building.
 TEST(Maps, TheOfficeIsTheSameInColladaAsInObj) {
   const MeshModel obj = loadMesh(kMaps + "/office.obj", {});
   const MeshModel dae = loadMesh(kMaps + "/office.dae", {});

@@ -1,4 +1,4 @@
-"""What goes wrong in a soak: each fault begins, lasts for some images, and ends."""
+"""The faults of a soak test. Each fault begins, lasts for some images, and ends."""
 
 
 def darken(image):
@@ -10,7 +10,7 @@ def truncate(image):
 
 
 class Fault:
-    """`begin` and `end` take the soak; `images` is how long it lasts, least and most."""
+    """`begin` and `end` are called with the soak. `images`: smallest and largest duration, in images."""
 
     def __init__(self, name, begin, end=None, images=(15, 75), weight=1):
         self.name, self.begin, self.end = name, begin, end or (lambda soak: None)
@@ -53,7 +53,7 @@ def restarted(node, kill):
 
 
 def everyFault():
-    """Those that leave the processes alone, and those that end them."""
+    """Returns two lists: faults that leave the processes alone, and faults that end a process."""
     gentle = [
         withheld('image'), withheld('info'), withheld('odometry'), withheld('depth'),
         spoiled('dark', darken), spoiled('truncated images', truncate),

@@ -1,4 +1,4 @@
-"""A recorded flight, published image by image, for as long as one likes and with what can go wrong."""
+"""Publishes a recorded flight image by image, for any time, with faults where wanted."""
 import copy
 import threading
 import time
@@ -13,7 +13,7 @@ from tf2_msgs.msg import TFMessage
 
 
 def matrix(translation, rotation):
-    """4x4 of a message's vector and quaternion."""
+    """Makes a 4x4 matrix of the vector and the quaternion of a message."""
     x, y, z, w = rotation.x, rotation.y, rotation.z, rotation.w
     result = numpy.eye(4)
     result[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -24,7 +24,7 @@ def matrix(translation, rotation):
 
 
 def difference(a, b):
-    """Metres and degrees between two 4x4."""
+    """Distance in metres and angle in degrees between two 4x4 matrices."""
     relative = numpy.linalg.inv(a) @ b
     cosine = (numpy.trace(relative[:3, :3]) - 1) / 2
     return (float(numpy.linalg.norm(relative[:3, 3])),
@@ -42,7 +42,7 @@ class Frame:
 
 
 def readFrames(bag_file, every):
-    """Every n-th image with all that belongs to it; the initial pose; the camera's mounting."""
+    """Returns every n-th moment of a bag, the initial pose and the mounting of the camera."""
     names = {'/camera/image_raw': 'image', '/camera/camera_info': 'info',
              '/camera/depth/image_raw': 'depth', '/ground_truth': 'truth', '/tf': 'tf'}
     moments, others = {}, {}
@@ -62,21 +62,21 @@ def readFrames(bag_file, every):
 
 
 class FlightFeeder:
-    """Flies the recording to and fro, so that the motion never breaks unless it is told to.
+    """Flies the recording to and fro, so that the motion has no jumps except those of jump().
 
-    `withhold` names what is not published: image, info, depth, odometry. `spoil` changes an image
-    before it is sent. `truth_at` maps the nanoseconds of a stamp to the true 4x4 T_map_base.
+    `withhold` names the data that are not published: image, info, depth, odometry. `spoil` changes
+    an image before it is sent. `truth_at` maps the nanoseconds of a stamp to the true 4x4 T_map_base.
     """
 
     def __init__(self, bag_file, images_per_second, every=2):
         self.frames, self.initial_pose, mounting = readFrames(bag_file, every)
         first, second = self.frames[0].image.header.stamp, self.frames[1].image.header.stamp
-        self.step = (second - first).to_sec()  # s of flight
-        self.period = 1 / images_per_second    # s of the wall clock
+        self.step = (second - first).to_sec()  # s of flight between images
+        self.period = 1 / images_per_second    # s of the wall clock between images
         self.withhold, self.spoil = set(), None
         self.truth_at, self.lock = {}, threading.Lock()
         self.now, self.at, self.way, self.sent = 100.0, 0, 1, 0
-        self.T_odom_odom = numpy.eye(4)  # of the robot's odometry to the recording's
+        self.T_odom_odom = numpy.eye(4)  # from the odometry frame of the recording to that of the robot
         self.due = time.time()
         self.clock = rospy.Publisher('/clock', Clock, queue_size=10)
         self.tf = rospy.Publisher('/tf', TFMessage, queue_size=100)
@@ -88,13 +88,13 @@ class FlightFeeder:
         self.tf_static.publish(mounting)
 
     def begin(self):
-        """Says where the flight begins, as a user would."""
+        """Publishes the initial pose, as a user does."""
         pose = copy.deepcopy(self.initial_pose)
         pose.header.stamp = rospy.Time.from_sec(self.now)
         self.initial.publish(pose)
 
     def fly(self):
-        """One image on; waits until it is due."""
+        """Waits until the next image is due, and publishes it."""
         self.at += self.way
         if not 0 <= self.at < len(self.frames):
             self.way = -self.way
@@ -107,7 +107,7 @@ class FlightFeeder:
         self.publish()
 
     def jump(self, frame, seconds, odometry_knows):
-        """Goes on at another place and time; without odometry that knows, the robot was carried."""
+        """Goes on at another frame and time. If odometry does not know it, the robot was carried there."""
         if not odometry_knows:
             here = self.T_odom_odom @ self.frames[self.at].T_odom_base
             self.T_odom_odom = here @ numpy.linalg.inv(self.frames[frame].T_odom_base)
@@ -154,7 +154,7 @@ class FlightFeeder:
 
 
 def quaternion(rotation):
-    """x, y, z, w of a 3x3, by its dominant eigenvector (Bar-Itzhack 2000)."""
+    """Quaternion x, y, z, w of a 3x3 rotation, from a dominant eigenvector (Bar-Itzhack 2000)."""
     (a, b, c), (d, e, f), (g, h, i) = rotation
     k = numpy.array([[a - e - i, b + d, c + g, h - f],
                      [b + d, e - a - i, f + h, c - g],

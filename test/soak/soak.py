@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The whole ROS system for an hour, with random faults: does it crash, grow, or stay lost?"""
+"""Runs the whole ROS system for an hour with random faults. Does it crash, grow, or stay lost?"""
 import argparse
 import os
 import random
@@ -20,26 +20,26 @@ from flight_feeder import FlightFeeder, difference, matrix
 from soak_report import writeReport
 from watched_node import WatchedNode
 
-RIGHT = (0.25, 5.0)   # m, degrees: a tracked pose is within
-ANNOUNCED_WITHIN = 2  # s of flight after the robot was carried away
+RIGHT = (0.25, 5.0)   # m, degrees: a tracked pose with smaller errors is right
+ANNOUNCED_WITHIN = 2  # s of flight in which the localizer must notice that it was carried away
 
 
 class Recovery:
-    """How a fault ended. `flight` and `wall`: seconds until it tracked again; None: never."""
+    """How a fault ended. `flight` and `wall`: seconds until the state was tracking again; None: never."""
 
     def __init__(self, at, fault, images, flight, wall):
         self.at, self.fault, self.images, self.flight, self.wall = at, fault, images, flight, wall
 
 
 class Silent:
-    """An image called tracking at a wrong pose. `fault`: the last one before it."""
+    """A wrong pose in the state tracking. `fault`: the last fault before it."""
 
     def __init__(self, stamp, metres, degrees, fault):
         self.stamp, self.metres, self.degrees, self.fault = stamp, metres, degrees, fault
 
 
 class Judge:
-    """What the localizer says of each image against the truth."""
+    """Compares the state and pose of every image with the ground truth."""
 
     def __init__(self, feeder, log_file):
         self.feeder, self.lock, self.log_file = feeder, threading.Lock(), log_file
@@ -83,7 +83,7 @@ class Judge:
         if since is None or not 0 <= since <= ANNOUNCED_WITHIN:
             self.silent.append(Silent(stamp * 1e-9, metres, degrees, self.fault))
             with open(self.log_file, 'a') as log:
-                print('%.1f s: tracking, %.2f m and %.1f degrees off, after: %s' % (
+                print('%.1f s: tracking with an error of %.2f m and %.1f degrees, after: %s' % (
                     stamp * 1e-9, metres, degrees, self.fault), file=log)
 
     def forget(self, fault, carried_at):
@@ -138,7 +138,7 @@ class Soak:
             self.look()
 
     def look(self):
-        """Measures and revives, now and then."""
+        """Every five seconds: measures the nodes and starts crashed ones again."""
         if time.time() - self.measured < 5:
             return
         self.measured = time.time()
@@ -152,7 +152,10 @@ class Soak:
             sys.stdout.flush()
 
     def awaitTracking(self):
-        """Flies on until ten images in a row are tracked, and rightly. @return flight s, wall s"""
+        """Flies on until ten images in a row are tracked at right poses.
+
+        @return seconds of flight, seconds of the wall clock; None, None after `patience` seconds
+        """
         begin, flown = time.time(), 0
         while self.judge.right_in_a_row < 10:
             if time.time() - begin > self.arguments.patience:
@@ -244,7 +247,7 @@ def main():
     shutil.rmtree(arguments.out, ignore_errors=True)
     os.makedirs(arguments.out)
     soak = Soak(arguments)
-    # A master of its own, whatever else runs here.
+    # This soak has its own master, so that other ROS systems are not disturbed.
     port = random.randint(20000, 40000)
     os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
     with open(os.path.join(arguments.out, 'roscore.log'), 'w') as log:

@@ -1,4 +1,4 @@
-"""What a soak found, as a document."""
+"""Writes the results of a soak as a page."""
 import os
 import statistics
 import time
@@ -21,7 +21,7 @@ def faultTable(recoveries):
 
 
 def silentTable(silent):
-    """Images called tracking at a wrong pose, by the last fault before them."""
+    """Table of wrong poses in the state tracking, by the last fault before them."""
     yield '| after | images | farthest, m | most turned, degrees | stamps, s |'
     yield '|---|---|---|---|---|'
     for fault in sorted({s.fault for s in silent}):
@@ -32,7 +32,7 @@ def silentTable(silent):
 
 
 def memoryTable(nodes):
-    """Of the longest life of each node: a leak would show there."""
+    """Table of the longest life of each node, because a leak shows best there."""
     yield '| node | lives | longest, min | MB after 1 min | half way | at its end | most | ' \
           'files, threads: after 1 min | at its end |'
     yield '|---|---|---|---|---|---|---|---|---|'
@@ -51,7 +51,10 @@ def memoryTable(nodes):
 
 
 def writeReport(soak, file):
-    """Writes and prints it. @return exit code: 0 when nothing crashed and it always came back"""
+    """Writes and prints the page.
+
+    @return exit code: 0 when no node crashed and the pose was tracked again after every fault
+    """
     a, judge = soak.arguments, soak.judge
     crashes = [(n.name, c) for n in soak.nodes.values() for c in n.crashes]
     lost = [r for r in soak.recoveries if r.flight is None]
@@ -65,7 +68,7 @@ def writeReport(soak, file):
     lines += ['* faults: %d, after %d of them it did not track again within %g s' % (
         len(soak.recoveries), len(lost), a.patience)]
     lines += ['  * %.1f min: %s' % (r.at, r.fault) for r in lost]
-    lines += ['* images: %d sent, %d of them tracked; %d of those were off by more than 0.25 m or '
+    lines += ['* images: %d sent, %d of them tracked; %d of those had an error of more than 0.25 m or '
               '5 degrees (later than 2 s after the robot was carried elsewhere)' % (
                   soak.feeder.sent, judge.tracking, len(judge.silent))]
     lines += ['', '## Faults', ''] + list(faultTable(soak.recoveries))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A soak of half a minute: faults are made, the system comes back, what it found is written."""
+"""A soak of half a minute makes faults. The system must recover, and the report must be written."""
 import os
 import subprocess
 import sys
@@ -41,7 +41,7 @@ class Soak(unittest.TestCase):
         self.assertRegex(said, r'\| edge_mcl_\w+ (restarted|killed) \|')
 
     def test_what_does_not_come_back_is_told(self):
-        # The localizer cannot track again while nobody waits for it.
+        # With a patience of zero the localizer has no time to track again.
         code, said = self.soak('--minutes', '0.1', '--patience', '0', '--faults', 'dark')
         self.assertEqual(code, 1, said)
         self.assertRegex(said, r'after [1-9]\d* of them it did not track again')

@@ -1,4 +1,4 @@
-"""A ROS node as a process: started, killed, stopped for a while, and how much memory it takes."""
+"""A ROS node as a process: starts, kills and pauses it, and measures its memory."""
 import os
 import signal
 import subprocess
@@ -8,7 +8,7 @@ import roslib.packages
 
 
 class WatchedNode:
-    """`name` is its type in the package edge_mcl and its name in ROS; output goes to LOGS/NAME.log."""
+    """`name`: type in the package edge_mcl and name in ROS. The output goes to LOGS/NAME.log."""
 
     def __init__(self, name, arguments, logs):
         found = roslib.packages.find_node('edge_mcl', name)
@@ -17,8 +17,8 @@ class WatchedNode:
         self.name, self.command = name, [found[0]] + arguments + ['__name:=' + name]
         self.log_file = os.path.join(logs, name + '.log')
         self.process, self.began, self.wanted = None, 0.0, False
-        self.crashes = []  # how it ended without being told to
-        self.lives = []    # of each: [(s since its begin, resident kB, open files, threads)]
+        self.crashes = []  # texts, one per unwanted end
+        self.lives = []    # per life: [(s since its begin, resident kB, open files, threads)]
 
     def start(self):
         with open(self.log_file, 'ab') as log:
@@ -27,7 +27,7 @@ class WatchedNode:
         self.lives.append([])
 
     def end(self, kill=False):
-        """Asks it to end, or kills it; a node that does not end within 15 s counts as a crash."""
+        """Asks the node to end, or kills it. A node that does not end within 15 s counts as a crash."""
         self.wanted = False
         self.process.send_signal(signal.SIGKILL if kill else signal.SIGINT)
         try:
@@ -46,7 +46,7 @@ class WatchedNode:
         self.process.send_signal(signal.SIGCONT)
 
     def revive(self):
-        """Starts it anew when it ended by itself, which is noted. @return whether it did"""
+        """If the node ended by itself, notes a crash and starts it anew. @return whether it had ended"""
         code = self.process.poll()
         if code is None or not self.wanted:
             return False
@@ -62,10 +62,10 @@ class WatchedNode:
             self.lives[-1].append((time.time() - self.began, int(fields['VmRSS'].split()[0]), files,
                                    int(fields['Threads'])))
         except (OSError, KeyError):
-            pass  # it just ended; revive() says so
+            pass  # the node has just ended; revive() notes it
 
     def figures(self):
-        """Lines of a table: life, s since its begin, resident kB, open files, threads."""
+        """Lines of a table: name, life, s since its begin, resident kB, open files, threads."""
         for number, life in enumerate(self.lives, 1):
             for measured in life:
                 yield '%s,%d,%.0f,%d,%d,%d' % ((self.name, number) + measured)

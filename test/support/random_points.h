@@ -1,4 +1,4 @@
-/// Points at random, and what is true of them by the plainest of means.
+/// Random points, and their distances computed in the plainest way.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,7 @@ inline Eigen::Vector3d anywhere(Random* random, double low = -1, double high = 1
   return {uniform(random, low, high), uniform(random, low, high), uniform(random, low, high)};
 }
 
-/// Distance from every face, one by one.
+/// Distance of a point from the mesh: the smallest of its distances from all faces.
 inline double plainDistance(const MeshModel& mesh, const Eigen::Vector3d& p) {
   double least = INFINITY;
   for (const auto& t : mesh.triangles)

@@ -1,4 +1,4 @@
-/// Geometry and pictures made for the tests, independent of the code under test.
+/// Geometry and pictures for the tests, independent of the code under test.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace edge_mcl::test {
 
-/// Adds an axis-aligned box with outward faces.
+/// Adds an axis-aligned box. Its faces point outward, or inward if wanted.
 inline void addBox(MeshSoup* soup, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                    uint32_t material = 0, bool inward = false) {
   const auto base = static_cast<uint32_t>(soup->vertices.size());
@@ -36,7 +36,7 @@ inline void addBox(MeshSoup* soup, const Eigen::Vector3f& low, const Eigen::Vect
   }
 }
 
-/// Two rooms of 4 x 5 x 2.6 m side by side, a wall with a doorway between them, furniture.
+/// Two furnished rooms of 4 x 5 x 2.6 m side by side. The wall between them has a doorway.
 inline MeshModel furnishedRooms() {
   MeshSoup soup;
   addBox(&soup, {0, 0, 0}, {8, 5, 2.6f}, 0, true);
@@ -73,7 +73,8 @@ inline MeshModel column(int sides, float radius, float height) {
   return weldMesh(std::move(soup), 1e-7, "column");
 }
 
-/// Camera looking along `forward`, image down as far down as possible.
+/// Pose of a camera that looks along `forward`. Its image is upright: the down axis of the image
+/// points down as far as possible.
 inline Pose lookAlong(const Eigen::Vector3d& position, const Eigen::Vector3d& forward) {
   Pose pose = Pose::Identity();
   const Eigen::Vector3d z = forward.normalized();
@@ -97,7 +98,7 @@ inline CameraModel pinhole(int width = 640, int height = 480, double focal = 500
   return camera;
 }
 
-/// Every ray against every triangle (Moeller-Trumbore); slow and plain on purpose.
+/// Tries every triangle for every ray (Moeller-Trumbore). It is slow and plain on purpose.
 class PlainRayCaster {
  public:
   PlainRayCaster(const MeshModel& mesh, const Pose& camera_pose) {
@@ -113,7 +114,8 @@ class PlainRayCaster {
     int face = -1;
     double depth = std::numeric_limits<double>::infinity();
   };
-  /// @param d camera axes; depth is in its units.
+  /// Finds the first face on a ray from the camera centre. @param d direction, camera axes; the
+  /// depth of the hit is in units of its length
   Hit cast(const Eigen::Vector3d& d) const {
     Hit hit;
     for (size_t i = 0; i < triangles_.size(); ++i) {
@@ -140,12 +142,12 @@ class PlainRayCaster {
   std::vector<Triangle> triangles_;
 };
 
-/// Ray of a pixel of an undistorted camera, depth 1.
+/// Ray through a pixel of an undistorted camera, with depth 1.
 inline Eigen::Vector3d plainRay(const CameraModel& camera, double u, double v) {
   return {(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1};
 }
 
-/// Flat-shaded picture without distortion.
+/// Renders a picture with one grey value per face, without distortion.
 inline cv::Mat render(const MeshModel& mesh, const CameraModel& camera, const Pose& pose,
                       int supersampling = 2) {
   const int s = supersampling;
@@ -170,7 +172,7 @@ inline cv::Mat render(const MeshModel& mesh, const CameraModel& camera, const Po
   return image;
 }
 
-/// Exact depth image in metres, without distortion; 0 where nothing is.
+/// Renders an exact depth image in metres, without distortion. 0: the ray meets no face.
 inline cv::Mat renderDepth(const MeshModel& mesh, const CameraModel& camera, const Pose& pose) {
   cv::Mat depth(camera.height, camera.width, CV_32F, cv::Scalar(0));
   const PlainRayCaster rays(mesh, pose);
@@ -182,7 +184,7 @@ inline cv::Mat renderDepth(const MeshModel& mesh, const CameraModel& camera, con
   return depth;
 }
 
-/// The camera with a lens of every model's kind.
+/// The camera with distortion coefficients for the given model.
 inline CameraModel distorted(CameraModel camera, DistortionModel model) {
   camera.distortion = model;
   if (model == DistortionModel::kPlumbBob) camera.coefficients = {-0.28, 0.07, 2e-4, 2e-5, 0};

@@ -4,7 +4,8 @@
 
 namespace edge_mcl {
 
-/// Smaller than the defaults, for a small building.
+/// Parameters of a search that is quick in a small building: fewer particles, places and hypotheses
+/// than the defaults.
 inline Parameters quickSearch() {
   Parameters params;
   params.filter.particles = 300;

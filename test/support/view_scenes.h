@@ -1,4 +1,4 @@
-/// A moment of a simulated flight, as the viewer takes it.
+/// A moment of a simulated flight as the viewer gets it.
 #pragma once
 
 #include <memory>
@@ -35,7 +35,8 @@ struct SimulatedMoment {
   }
 };
 
-/// Whether a pixel within `reach` of a place has about this colour.
+/// Whether any pixel within `reach` of a place has about this colour. @param tolerance largest sum
+/// of the differences of the three channels
 inline bool hasColorNear(const cv::Mat& picture, cv::Point at, const cv::Scalar& color, int reach,
                          double tolerance) {
   for (int y = std::max(0, at.y - reach); y <= std::min(picture.rows - 1, at.y + reach); ++y)

@@ -19,6 +19,7 @@ CameraModel withDistortion(const std::string& model, const std::vector<double>& 
 
 class Projection : public testing::TestWithParam<std::pair<const char*, std::vector<double>>> {};
 
+/// The truth is the projection of the same point by OpenCV, for every distortion model.
 TEST_P(Projection, AgreesWithOpenCv) {
   const auto& [model, d] = GetParam();
   const CameraModel camera = withDistortion(model, d);
@@ -40,6 +41,7 @@ TEST_P(Projection, AgreesWithOpenCv) {
   }
 }
 
+/// The truth is the central difference of the projection.
 TEST_P(Projection, JacobianAgreesWithDifferences) {
   const CameraModel camera = withDistortion(GetParam().first, GetParam().second);
   RandomSource random(6);
@@ -51,7 +53,7 @@ TEST_P(Projection, JacobianAgreesWithDifferences) {
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3d h = 1e-6 * Eigen::Vector3d::Unit(axis);
       ASSERT_TRUE(camera.project(p + h, &up) && camera.project(p - h, &down));
-      // Central differences of a smooth function: error of order h^2 and rounding / h.
+      // Central differences of a smooth function have an error of order h^2, plus rounding / h.
       EXPECT_LT((jacobian.col(axis) - (up - down) / 2e-6).norm(), 1e-4);
     }
   }
@@ -68,7 +70,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(CameraModel, PointsBeyondTheMonotonePartDoNotFoldBack) {
   const CameraModel camera = withDistortion("plumb_bob", {-0.3, 0, 0, 0, 0});
-  // r (1 - 0.3 r^2) grows up to r = 1.054; at r = 1.8 it is back near the centre.
+  // The distorted radius r (1 - 0.3 r^2) grows up to r = 1.054. At r = 1.8 it is nearly zero again,
+  // so this point would appear near the centre of the image.
   Eigen::Vector2d pixel;
   EXPECT_TRUE(camera.project({1.0, 0, 1}, &pixel));
   EXPECT_FALSE(camera.project({1.8, 0, 1}, &pixel));
@@ -76,7 +79,8 @@ TEST(CameraModel, PointsBeyondTheMonotonePartDoNotFoldBack) {
 }
 
 TEST(CameraModel, BeyondAPoleOfTheRationalModelNothingIsSeen) {
-  // 1 / (1 - 0.01 r^6) has its pole at r = 2.15; beyond, points would come out mirrored.
+  // The factor 1 / (1 - 0.01 r^6) has a pole at r = 2.15. Beyond it the factor is negative, so
+  // points would appear mirrored.
   const CameraModel camera = withDistortion("rational_polynomial", {0, 0, 0, 0, 0, 0, 0, -0.01});
   Eigen::Vector2d pixel;
   EXPECT_TRUE(camera.project({0.5, 0, 1}, &pixel));
@@ -84,6 +88,8 @@ TEST(CameraModel, BeyondAPoleOfTheRationalModelNothingIsSeen) {
   EXPECT_FALSE(camera.project({4.3, 0, 1}, &pixel));
 }
 
+/// Every direction that projects into the image must lie in the cone of the angle `view.angle`. The
+/// test tries directions over a half sphere and takes the widest one.
 TEST(CameraModel, WhatIsProjectedLiesInTheConeOfTheView) {
   CameraModel camera = withDistortion("equidistant", {0, 0, 0, 0});
   camera.fx = camera.fy = 180;

@@ -36,6 +36,7 @@ Pose disturbed(Random* random, double position, double angle) {
   return kView * expSe3(xi);
 }
 
+/// Every point, projected by the camera model, must lie on a pixel that has its depth.
 TEST(DepthPoints, ProjectBackToTheirPixels) {
   for (const DistortionModel model :
        {DistortionModel::kNone, DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial,
@@ -60,6 +61,8 @@ TEST(DepthPoints, ProjectBackToTheirPixels) {
   }
 }
 
+/// Columns and rows of the depth image are missing, negative, infinite, too far or masked. No point
+/// may come from them.
 TEST(DepthPoints, WhatIsIgnoredOutOfRangeOrMissingIsLeftOut) {
   DepthImage image = roomDepth();
   DepthParameters params;
@@ -88,7 +91,8 @@ TEST(DepthPoints, WhatIsIgnoredOutOfRangeOrMissingIsLeftOut) {
 
 TEST(DepthPoints, TheMaskMayBeThatOfAnotherCamera) {
   DepthImage image = roomDepth();
-  // A colour camera 30 cm to the right; what it masks is a half-space of the scene.
+  // The mask belongs to a colour camera 30 cm to the right. It masks the right half of this camera,
+  // which is a half-space of the scene.
   const Eigen::Vector3d offset(0.3, 0, 0);
   DepthImage::Mask mask{cv::Mat::zeros(480, 640, CV_8U), test::pinhole(), Pose::Identity()};
   mask.T_mask_depth.translation() = -offset;
@@ -118,8 +122,9 @@ TEST(DepthPoints, BrokenImagesAreErrors) {
 }
 
 TEST(DepthLikelihood, AgreesWithTheFormulaOnTrueDistances) {
-  // The scores of points beside planes; a fifth of the field is near edges, where the linear
-  // continuation is off by up to some centimetres (see ReadsTheTrueDistance).
+  // The truth is the formula of the score with brute-force distances. The field is exact beside
+  // planes. A fifth of it is near edges, where its linear continuation has an error of up to some
+  // centimetres (see ReadsTheTrueDistance).
   const MeshModel mesh = test::furnishedRooms();
   const DepthParameters params;
   const DepthLikelihood likelihood(roomField(), params);
@@ -144,6 +149,7 @@ TEST(DepthLikelihood, AgreesWithTheFormulaOnTrueDistances) {
   }
 }
 
+/// The kernel is compared with evaluateSlowly(), near the true pose and outside the model.
 TEST(DepthLikelihood, VectorUnitAndSlowReferenceAgree) {
   const DepthLikelihood likelihood(roomField(), DepthParameters());
   const DepthPoints points = makeDepthPoints(roomDepth(), DepthParameters());
@@ -151,12 +157,13 @@ TEST(DepthLikelihood, VectorUnitAndSlowReferenceAgree) {
   std::vector<Pose> poses;
   poses.reserve(501);
   for (int i = 0; i < 500; ++i) poses.push_back(disturbed(&random, 0.3, 0.2));
-  poses.push_back(test::lookAlong({50, 50, 50}, {1, 0, 0}));  // everything outside
+  poses.push_back(test::lookAlong({50, 50, 50}, {1, 0, 0}));  // all points lie outside the model
   const std::vector<DepthScore> scores = likelihood.evaluate(points, poses);
   for (size_t i = 0; i < poses.size(); ++i) {
     const DepthScore slow = likelihood.evaluateSlowly(points, poses[i]);
-    // Single precision; a point within rounding of a voxel's border may read its neighbour, which
-    // near an edge differs by centimetres: one such point may shift the mean of 500.
+    // A point within the rounding of single precision from the border of a voxel may read the
+    // neighbouring voxel. Near an edge the two differ by centimetres. One such point may shift the
+    // mean of 500 points by this much.
     EXPECT_NEAR(scores[i].log_likelihood, slow.log_likelihood, 0.4);
     EXPECT_NEAR(scores[i].agreement, slow.agreement, 0.003);
   }
@@ -179,6 +186,7 @@ TEST(DepthLikelihood, SameBitsAloneInABatchAndOnAnyNumberOfThreads) {
   }
 }
 
+/// Without points the score is exactly zero.
 TEST(DepthLikelihood, NothingSaysNothingAndNaNIsAnError) {
   const DepthLikelihood likelihood(roomField(), DepthParameters());
   EXPECT_EQ(likelihood.evaluate(DepthPoints(), {kView}).front().log_likelihood, 0);
@@ -187,6 +195,7 @@ TEST(DepthLikelihood, NothingSaysNothingAndNaNIsAnError) {
   EXPECT_THROW(likelihood.evaluate(DepthPoints(), {bad}), Error);
 }
 
+/// The truth is the central difference of evaluateSlowly().
 TEST(DepthLikelihood, GradientIsTheDerivative) {
   const DepthLikelihood likelihood(roomField(), DepthParameters());
   const DepthPoints points = makeDepthPoints(roomDepth(), DepthParameters());
@@ -195,7 +204,7 @@ TEST(DepthLikelihood, GradientIsTheDerivative) {
     const Pose pose = disturbed(&random, 0.05, 0.03);
     const NormalEquations n = likelihood.linearize(points, pose, 0);
     for (int axis = 0; axis < 6; ++axis) {
-      // Short, so that hardly any point changes its voxel.
+      // The step is short, so that hardly any point changes its voxel.
       constexpr double kStep = 1e-7;
       const Twist xi = kStep * Twist::Unit(axis);
       const double numeric =
@@ -207,6 +216,7 @@ TEST(DepthLikelihood, GradientIsTheDerivative) {
   }
 }
 
+/// Exact depths z are changed by b z^2. Five estimates must find the known b.
 TEST(DepthLikelihood, ABiasIsFoundFromDepthsNearAndFar) {
   const DepthLikelihood likelihood(roomField(), DepthParameters());
   for (const double b : {-0.003, 0.0015, 0.004}) {
@@ -235,7 +245,7 @@ TEST(DepthLikelihood, RefinementFindsTheTruePose) {
   const LocalizationMap map(test::furnishedRooms(), params);
   CameraView view;
   view.depth = map.prepareDepth(roomDepth());
-  view.T_base_camera = opticalOnBody();  // the state is the base's pose
+  view.T_base_camera = opticalOnBody();  // the refined pose is the pose of the base
   const Pose truth = kView * view.T_base_camera.inverse();
   Random random(9);
   for (int seed = 0; seed < 50; ++seed) {
@@ -243,10 +253,11 @@ TEST(DepthLikelihood, RefinementFindsTheTruePose) {
     Twist xi;
     xi << 0.1 * anywhere(&random), 0.05 * anywhere(&random);
     prior.mean = truth * expSe3(xi);
-    prior.covariance.diagonal() << 1, 1, 1, 0.25, 0.25, 0.25;  // wide: it must not pull
+    prior.covariance.diagonal() << 1, 1, 1, 0.25, 0.25, 0.25;  // wide, so that it does not pull
     const RefinementResult result = map.refine({view}, prior.mean, prior);
     EXPECT_GT(result.matched_points, 300);
-    // Exact depths: what is left is the field's rounding (0.7 mm), averaged over many points.
+    // The depths are exact. The remaining error is the rounding of the field (0.7 mm), averaged
+    // over many points.
     EXPECT_LT((result.pose.translation() - truth.translation()).norm(), 0.0005) << seed;
     EXPECT_LT(logSo3(truth.linear().transpose() * result.pose.linear()).norm(), 0.0005) << seed;
   }

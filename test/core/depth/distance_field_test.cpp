@@ -27,6 +27,7 @@ std::shared_ptr<const DistanceField> roomField() {
   return field;
 }
 
+/// The truth is the closest point of a fine grid on the triangle.
 TEST(ClosestPoint, NoPointOfTheTriangleIsCloser) {
   Random random(1);
   for (int i = 0; i < 300; ++i) {
@@ -38,13 +39,14 @@ TEST(ClosestPoint, NoPointOfTheTriangleIsCloser) {
     for (int u = 0; u <= kGrid; ++u)
       for (int v = 0; u + v <= kGrid; ++v)
         least = std::min(least, (a + (b - a) * u / kGrid + (c - a) * v / kGrid - p).norm());
-    // Some point of the grid is within a grid step of the closest one.
+    // At least one point of the grid lies within a grid step of the closest point.
     const double step = ((b - a).norm() + (c - a).norm()) / kGrid;
     EXPECT_LE((closest - p).norm(), least + 1e-12);
     EXPECT_GE((closest - p).norm(), least - step);
   }
 }
 
+/// The truth is the distance from every face, one by one.
 TEST(ClosestFace, IsTheOneThatBruteForceFinds) {
   const MeshModel mesh = test::furnishedRooms();
   const ClosestFace faces(mesh);
@@ -54,7 +56,7 @@ TEST(ClosestFace, IsTheOneThatBruteForceFinds) {
                             uniform(&random, -1, 3.6));
     const double truth = plainDistance(mesh, p);
     const ClosestFace::Hit hit = faces.find(p, 0.5);
-    // The search runs in single precision, so at its very border it may go either way.
+    // The search runs in single precision. At its limit of 0.5 m it may find the face or not.
     if (std::abs(truth - 0.5) > 1e-5) {
       EXPECT_EQ(hit.found, truth < 0.5);
     }
@@ -64,6 +66,7 @@ TEST(ClosestFace, IsTheOneThatBruteForceFinds) {
   }
 }
 
+/// The truth is the distance from every face, one by one.
 TEST(DistanceField, ReadsTheTrueDistance) {
   const MeshModel mesh = test::furnishedRooms();
   const auto field = roomField();
@@ -75,7 +78,7 @@ TEST(DistanceField, ReadsTheTrueDistance) {
                             uniform(&random, -0.5, 3.1));
     const double truth = plainDistance(mesh, p);
     const DistanceField::Reading reading = field->at(p);
-    // A reading is made at a voxel's centre, at most half a diagonal away.
+    // A reading is made at the centre of a voxel, which is at most half a diagonal away.
     const double half_diagonal = std::sqrt(3.0) / 2 * voxel;
     if (truth < 0.3 + voxel - half_diagonal) {
       ASSERT_TRUE(reading.near) << truth;
@@ -84,13 +87,13 @@ TEST(DistanceField, ReadsTheTrueDistance) {
       ASSERT_FALSE(reading.near) << truth;
     }
     if (!reading.near) continue;
-    // Distance and its linear continuation both change by at most a metre per metre.
+    // The distance and its linear continuation both change by at most a metre per metre.
     EXPECT_LE(std::abs(std::abs(reading.distance) - truth), 2 * half_diagonal + 2 * step);
     errors.push_back(std::abs(std::abs(reading.distance) - truth));
   }
   ASSERT_GT(errors.size(), 5000u);
-  // Beside planes, which is nearly everywhere, only rounding is left: half a step of the distance,
-  // and of the gradient's three parts half a 127th over half a voxel.
+  // Most points lie beside planes, where only rounding is left: half a step of the distance, plus
+  // half a 127th of each of the three parts of the gradient over half a voxel.
   std::sort(errors.begin(), errors.end());
   const double rounding = step / 2 + 3 * voxel / 2 / 254;
   EXPECT_LT(errors[errors.size() / 2], rounding);
@@ -98,7 +101,8 @@ TEST(DistanceField, ReadsTheTrueDistance) {
 }
 
 TEST(DistanceField, HasNoHolesFarFromTheOrigin) {
-  // A wall of many small faces, where single precision is coarse.
+  // A wall of many small faces stands where single precision is coarse. The truth is the distance
+  // from the plane of the wall.
   for (const float at : {40.0f, 1000.0f}) {
     MeshSoup soup;
     constexpr int kCells = 40;
@@ -133,11 +137,12 @@ TEST(DistanceField, OutsideAndNotFiniteIsFar) {
   EXPECT_FALSE(roomField()->at({4, 2.5, INFINITY}).near);
 }
 
+/// A hangar of 900 x 700 x 300 m with a limit of 4 MB.
 TEST(DistanceField, ALargeModelGetsLargerVoxelsNotMoreMemory) {
   MeshSoup soup;
   test::addBox(&soup, {0, 0, 0}, {900, 700, 300}, 0, true);
   const DistanceField field(weldMesh(std::move(soup), 1e-3, "hangar"), {0.3, 0, 4e6});
-  EXPECT_LE(field.size(), 8e6);  // bricks and the grid that finds them, each
+  EXPECT_LE(field.size(), 8e6);  // at most 4e6 for the bricks and 4e6 for the grid of bricks
   EXPECT_GT(field.voxelSize(), 0.04);
   EXPECT_TRUE(field.at({450, 350, 0.2}).near);
   EXPECT_NEAR(std::abs(field.at({450, 350, 0.2}).distance), 0.2, 0.01);
@@ -190,7 +195,7 @@ TEST_F(StoredField, ComesBackAsItWas) {
     EXPECT_EQ(made.at(p).near, read.at(p).near);
     EXPECT_EQ(made.at(p).distance, read.at(p).distance);
   }
-  // Another truncation or another mesh is another field.
+  // Another truncation or another mesh needs another field.
   storedDistanceField(mesh_, {0.2, 0.1, 256e6}, model, &warning_);
   mesh_.vertices[0].x() -= 0.01f;
   storedDistanceField(mesh_, coarse_, model, &warning_);
@@ -211,7 +216,8 @@ TEST_F(StoredField, ADamagedFileIsMadeAnew) {
     storedDistanceField(mesh_, coarse_, model, &warning_);
     EXPECT_EQ(std::filesystem::file_size(file), size);
   }
-  for (const int at : {50, 75, 85, 5000}) {  // origin, truncation, bricks, voxels
+  // Positions in the origin, the truncation, the bricks and the voxels.
+  for (const int at : {50, 75, 85, 5000}) {
     std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(at).put('\x55');
     EXPECT_THROW(DistanceField::read(file, hash), InputError) << at;
     std::filesystem::remove(file);
@@ -220,7 +226,8 @@ TEST_F(StoredField, ADamagedFileIsMadeAnew) {
 }
 
 TEST_F(StoredField, GoesToTheCacheOrNowhere) {
-  // No directory of that name: as good as one that cannot be written, which root can.
+  // The folder of the model is a file, so nothing can be written there. A write-protected folder
+  // would not do, because root can write to it.
   const std::string blocked = directory_ + "/file";
   std::ofstream(blocked).put('x');
   storedDistanceField(mesh_, coarse_, blocked + "/rooms.obj", &warning_);

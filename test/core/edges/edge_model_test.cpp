@@ -17,6 +17,7 @@ std::string writeFile(const std::string& name, const std::string& text) {
   return file;
 }
 
+/// The truth is a box with sides of 1, 2 and 3 m.
 TEST(EdgeModel, ABoxHasTwelveCreases) {
   MeshSoup soup;
   test::addBox(&soup, {0, 0, 0}, {1, 2, 3});
@@ -26,7 +27,7 @@ TEST(EdgeModel, ABoxHasTwelveCreases) {
   EXPECT_EQ(edges.lines.size(), 12u);
   EXPECT_EQ(edges.group_count, 12u);
   EXPECT_NEAR(edges.feature_length, 4 * (1 + 2 + 3), 1e-4);
-  // Samples sit in the middles of equal parts of their lines.
+  // The samples lie in the middles of equal parts of their lines.
   std::vector<uint32_t> seen(edges.lines.size());
   for (const EdgeSegment& segment : edges.segments) {
     const EdgeLine& line = edges.lines[segment.line];
@@ -45,7 +46,8 @@ TEST(EdgeModel, ABoxHasTwelveCreases) {
 }
 
 TEST(EdgeModel, SubdividedEdgesBecomeOneLine) {
-  // A unit square of 10 x 10 cells, each two triangles: four boundary lines remain.
+  // A unit square consists of 10 x 10 cells with two triangles each. Only its four boundary lines
+  // may remain.
   MeshSoup soup;
   for (int y = 0; y <= 10; ++y)
     for (int x = 0; x <= 10; ++x) soup.vertices.emplace_back(0.1f * x, 0.1f * y, 0);
@@ -66,7 +68,8 @@ TEST(EdgeModel, SubdividedEdgesBecomeOneLine) {
 TEST(EdgeModel, WeldsVerticesAndDropsDegenerateAndDuplicateFaces) {
   MeshSoup soup;
   test::addBox(&soup, {0, 0, 0}, {1, 1, 1});
-  // Every triangle with vertices of its own, slightly off; one doubled, one without area.
+  // Every triangle has its own vertices, with errors of up to 2e-6 m per axis. One triangle is
+  // added twice, and one has no area.
   MeshSoup loose;
   int k = 0;
   for (const auto& t : soup.triangles) {
@@ -85,6 +88,7 @@ TEST(EdgeModel, WeldsVerticesAndDropsDegenerateAndDuplicateFaces) {
   EXPECT_EQ(buildEdgeModel(&mesh, {}).countOf(EdgeKind::kCrease), 12u);
 }
 
+/// A square consists of two triangles of different materials.
 TEST(EdgeModel, MaterialBordersAreEdges) {
   MeshSoup soup;
   soup.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -97,11 +101,13 @@ TEST(EdgeModel, MaterialBordersAreEdges) {
   EXPECT_EQ(buildEdgeModel(&mesh, without).countOf(EdgeKind::kMaterial), 0u);
 }
 
+/// The column is a prism with 48 corners. Of its 48 upright lines only the two outlines are
+/// visible.
 TEST(EdgeModel, AColumnShowsTwoOutlinesFromEverySide) {
   MeshModel mesh = test::column(48, 0.3f, 2);
   const EdgeModel edges = buildEdgeModel(&mesh, {});
   EXPECT_EQ(edges.countOf(EdgeKind::kContour), 48u);
-  // The rims are curves: one group each.
+  // Each rim is a curve, so its lines form one group.
   EXPECT_EQ(edges.group_count, 2u + 48u);
   const Visibility visibility(mesh, edges, {});
   for (int step = 0; step < 36; ++step) {
@@ -118,8 +124,8 @@ TEST(EdgeModel, AColumnShowsTwoOutlinesFromEverySide) {
       }
     ASSERT_EQ(outlines.size(), 2u) << "from " << eye.transpose();
     for (const auto& o : outlines) {
-      // Tangent lines of a circle of radius r from distance D touch it at cos = r / D, up to the
-      // prism's half corner of 3.75 degrees.
+      // The tangents from distance D touch a circle of radius r where cos = r / D. The outline is a
+      // corner of the prism, at most half the angle of a side (3.75 degrees) away.
       const double cosine = Eigen::Vector2d(o.head<2>())
                                 .normalized()
                                 .dot(Eigen::Vector2d(eye.head<2>()).normalized());
@@ -133,7 +139,8 @@ TEST(EdgeModel, AWireframeIsALegalMap) {
       writeFile("wire.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 2 0 0\nl 1 2 3\nl 2 4\n");
   MeshModel mesh = loadMesh(file, {});
   const EdgeModel edges = buildEdgeModel(&mesh, {});
-  EXPECT_EQ(edges.countOf(EdgeKind::kLine), 2u);  // 1-2 and 2-4 are collinear and touch
+  // The lines 1-2 and 2-4 are collinear and touch, so they are one.
+  EXPECT_EQ(edges.countOf(EdgeKind::kLine), 2u);
   EXPECT_NEAR(edges.feature_length, 3, 1e-5);
 }
 

@@ -15,6 +15,7 @@ EdgeModel edgesOf(MeshSoup soup, const Eigen::Matrix3f& turn) {
   return buildEdgeModel(&mesh, {});
 }
 
+/// The truth is the axes of the turned box, in the order of its sides: 7, 4 and 2.5 m.
 TEST(MainDirections, OfATurnedBoxAreItsSidesTheLongestFirst) {
   MeshSoup soup;
   test::addBox(&soup, {0, 0, 0}, {4, 7, 2.5f});
@@ -39,7 +40,7 @@ TEST(MainDirections, OfOneLineIsThatLine) {
 }
 
 TEST(MainDirections, LeaveOutWhatHardlyAnyLineFollows) {
-  MeshSoup soup;  // walls of a floor plan, and one short post
+  MeshSoup soup;  // two walls of a floor plan and a post of 0.3 m
   soup.vertices = {{0, 0, 0}, {10, 0, 0}, {10, 8, 0}, {0, 0, 0.3f}};
   soup.lines = {{0, 1}, {1, 2}, {0, 3}};
   EXPECT_EQ(mainDirections(edgesOf(soup, Eigen::Matrix3f::Identity())).size(), 2u);

@@ -12,6 +12,8 @@
 namespace edge_mcl {
 namespace {
 
+/// The truth is counted by hand: from a corner a box shows nine of its edges, from the middle of a
+/// side four, from inside all twelve.
 TEST(Visibility, OfABoxNineEdgesAreSeenFromACorner) {
   MeshSoup soup;
   test::addBox(&soup, {0, 0, 0}, {1, 1, 1});
@@ -20,7 +22,7 @@ TEST(Visibility, OfABoxNineEdgesAreSeenFromACorner) {
   const Visibility visibility(mesh, edges, {});
   EXPECT_EQ(visibility.exact({3, 4, 5}).group_count, 9u);
   EXPECT_EQ(visibility.exact({3, 0.5, 0.5}).group_count, 4u);
-  EXPECT_EQ(visibility.exact({0.5, 0.5, 0.5}).group_count, 12u);  // from inside
+  EXPECT_EQ(visibility.exact({0.5, 0.5, 0.5}).group_count, 12u);  // from the inside
 }
 
 using SampleKeys = std::set<std::pair<uint32_t, uint32_t>>;  // segment, sample
@@ -33,8 +35,9 @@ SampleKeys keysOf(const VisibleSet& set) {
   return result;
 }
 
-/// Whether a triangle lies between two points, T. Moeller and B. Trumbore, "Fast, minimum storage
-/// ray/triangle intersection", 1997. @param before of its length at the far end does not count.
+/// Whether a triangle lies between two points. Tries all triangles, with the intersection of T.
+/// Moeller and B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997. @param before
+/// length at the far end of the way that does not count, m
 bool isHidden(const MeshModel& mesh, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
               double before) {
   const Eigen::Vector3d way = to - from;
@@ -52,6 +55,8 @@ bool isHidden(const MeshModel& mesh, const Eigen::Vector3d& from, const Eigen::V
   });
 }
 
+/// The truth is isHidden(). Contours are left out, because their visibility does not depend on rays
+/// alone.
 TEST(Visibility, RaysTracedTogetherAgreeWithEveryTriangleTriedAlone) {
   MeshModel mesh = test::furnishedRooms();
   const EdgeModel edges = buildEdgeModel(&mesh, {});
@@ -76,12 +81,14 @@ TEST(Visibility, RaysTracedTogetherAgreeWithEveryTriangleTriedAlone) {
       }
     }
   }
-  // Rays that graze an edge, in single precision: a few in a thousand.
+  // Rays that graze an edge may differ in single precision. These are a few in a thousand.
   EXPECT_GT(all, 5000u);
   EXPECT_LT(static_cast<double>(differ), 0.005 * static_cast<double>(all))
       << differ << " of " << all;
 }
 
+/// The visible set of a cone is compared with the visible set of all directions. Every sample in
+/// the cone must be kept, and no other sample may be added.
 TEST(Visibility, AConeLeavesOutWhatLiesOutsideAndNothingElse) {
   MeshModel mesh = test::furnishedRooms();
   const EdgeModel edges = buildEdgeModel(&mesh, {});
@@ -107,10 +114,12 @@ TEST(Visibility, AConeLeavesOutWhatLiesOutsideAndNothingElse) {
     all += full.size();
   }
   EXPECT_GT(in_cone, 1000u);
-  EXPECT_LT(kept, 0.75 * static_cast<double>(all));  // segments that only touch stay whole
+  // A segment that only touches the cone is kept as a whole.
+  EXPECT_LT(kept, 0.75 * static_cast<double>(all));
 }
 
-/// Share of samples whose cached visibility differs from exact rays, over random free positions.
+/// Measures the share of samples whose cached visibility differs from exact rays, over random free
+/// positions.
 TEST(Visibility, CachedAgreesWithExactRays) {
   MeshModel mesh = test::furnishedRooms();
   const EdgeModel edges = buildEdgeModel(&mesh, {});

@@ -12,14 +12,15 @@
 namespace edge_mcl {
 namespace {
 
-// The kernels' offsets into the table are 32 bits wide.
+// The kernels address the table with offsets of 32 bits. A larger table is an error.
 TEST(ScoreTable, OneThatIsTooLargeIsRefused) {
   ScoreTable::checkSize(5472, 3648, 12);
   EXPECT_THROW(ScoreTable::checkSize(5472, 3648, 64), InputError);
   EXPECT_THROW(ScoreTable::checkSize(12000, 9000, 12), InputError);
 }
 
-/// A dark disc on a bright ground with exact area coverage by supersampling.
+/// Draws a dark disc of radius 60 around (100, 100) on a bright ground. A pixel on the border gets
+/// the share of its area that the disc covers, by supersampling.
 cv::Mat disc(double contrast, double brightness, double noise, uint64_t seed) {
   constexpr int kSize = 200, kSuper = 8;
   cv::Mat big(kSize * kSuper, kSize * kSuper, CV_32F);
@@ -39,6 +40,8 @@ cv::Mat disc(double contrast, double brightness, double noise, uint64_t seed) {
   return image;
 }
 
+/// The truth is the drawn circle. Edge pixels must lie on it by their sub-pixel positions, and
+/// their normals must point along its radius.
 TEST(ImageEdges, AreThinSubPixelExactAndDirected) {
   const EdgeImage image = findEdges(disc(80, 200, 0, 1), {}, {}, "disc");
   size_t count = 0;
@@ -53,10 +56,12 @@ TEST(ImageEdges, AreThinSubPixelExactAndDirected) {
       worst =
           std::max(worst, std::abs((image.subPixel(x, y) - Eigen::Vector2d(100, 100)).norm() - 60));
     }
-  // Between an 8-connected (4 sqrt 2 r) and a 4-connected (8 r) circle: one pixel wide.
+  // A circle that is one pixel wide has between 4 sqrt(2) r pixels (8-connected) and 8 r pixels
+  // (4-connected).
   EXPECT_GT(count, 5.6 * 60);
   EXPECT_LT(count, 8.0 * 60);
-  EXPECT_LT(worst, 0.35);  // Canny's pixel is up to 0.7 px off; the ridge is found far better
+  // Canny's pixel has an error of up to 0.7 px, the ridge a far smaller one.
+  EXPECT_LT(worst, 0.35);
 }
 
 TEST(ImageEdges, TheCallersImageIsLeftAlone) {
@@ -67,6 +72,7 @@ TEST(ImageEdges, TheCallersImageIsLeftAlone) {
   EXPECT_EQ(cv::norm(first.edges, second.edges), 0);
 }
 
+/// More than 320 of 360 points on the drawn circle must have an edge pixel within one pixel.
 TEST(ImageEdges, DarkAndLowContrastImagesStillHaveEdges) {
   for (const auto& [contrast, brightness] : {std::pair{80.0, 200.0}, {12.0, 30.0}, {8.0, 120.0}}) {
     const EdgeImage image = findEdges(disc(contrast, brightness, 0.7, 2), {}, {}, "disc");
@@ -80,6 +86,7 @@ TEST(ImageEdges, DarkAndLowContrastImagesStillHaveEdges) {
   }
 }
 
+/// In noise, fewer than one pixel in 50 may be an edge.
 TEST(ImageEdges, UniformAndNoisyImagesHaveFew) {
   EXPECT_EQ(findEdges(cv::Mat(100, 100, CV_8U, cv::Scalar(0)), {}, {}, "black").edgeCount(), 0u);
   const EdgeImage noise = findEdges(disc(0, 120, 3, 3), {}, {}, "noise");
@@ -87,7 +94,8 @@ TEST(ImageEdges, UniformAndNoisyImagesHaveFew) {
 }
 
 TEST(ImageEdges, NoiseOfAnyStrengthIsNoEdge) {
-  // Weak noise rounded to whole grey levels must not pass for an even surface with edges.
+  // Weak noise that is rounded to whole grey levels leaves many pixels with equal values. The
+  // detector must not take this for an even surface and the other pixels for edges.
   for (double sigma : {0.4, 0.7, 1.0, 1.4, 2.0, 3.0, 6.0})
     for (uint64_t seed = 1; seed <= 3; ++seed) {
       const EdgeImage noise = findEdges(disc(0, 60, sigma, seed), {}, {}, "noise");
@@ -95,6 +103,8 @@ TEST(ImageEdges, NoiseOfAnyStrengthIsNoEdge) {
     }
 }
 
+/// A mask that covers exactly the disc hides the outline of the disc, too. A mask of another size
+/// or type is an error.
 TEST(ImageEdges, TheMaskTakesTheOutlineOfAnObjectAlong) {
   cv::Mat mask(200, 200, CV_8U, cv::Scalar(0));
   cv::circle(mask, {100, 100}, 60, cv::Scalar(255), cv::FILLED);
@@ -103,10 +113,11 @@ TEST(ImageEdges, TheMaskTakesTheOutlineOfAnObjectAlong) {
   EXPECT_THROW(findEdges(disc(80, 200, 0, 4), cv::Mat(200, 200, CV_32F), {}, "disc"), InputError);
 }
 
+/// The rectangle keeps its straight sides, the circle loses its edges.
 TEST(ImageEdges, StraightSegmentsDropTheCircle) {
   ImageParameters params;
   params.straight_segments = true;
-  params.min_segment_length = 40;  // arcs of this circle are straight to 1 px over 22 px
+  params.min_segment_length = 40;  // arcs of this circle are straight to 1 px over 22 px only
   cv::Mat image = disc(80, 200, 0, 5);
   cv::rectangle(image, {5, 5}, {30, 190}, cv::Scalar(40), cv::FILLED);
   const EdgeImage all = findEdges(image, {}, {}, "x"), straight = findEdges(image, {}, params, "x");
@@ -114,6 +125,8 @@ TEST(ImageEdges, StraightSegmentsDropTheCircle) {
   EXPECT_GT(cv::countNonZero(straight.edges(cv::Rect(28, 20, 5, 150))), 130);
 }
 
+/// The diamond angle grows with the angle. Both directions of a line have the same diamond angle.
+/// diamondDirection() is its inverse.
 TEST(EdgeField, DiamondAngleIsAMonotoneStandInForTheAngle) {
   double last = -1;
   for (int k = 0; k < 180; ++k) {
@@ -127,7 +140,8 @@ TEST(EdgeField, DiamondAngleIsAMonotoneStandInForTheAngle) {
   }
 }
 
-/// The listed pixels against the image, and their search against the one to the letter.
+/// The list of edge pixels is compared with the edge image. Its search along the normal is compared
+/// with searchAlongNormal(), which follows the paper step by step.
 TEST(EdgePixels, FindWhatTheDirectSearchFinds) {
   const MeshModel mesh = test::furnishedRooms();
   const cv::Mat picture = test::render(mesh, test::pinhole(320, 240, 250),
@@ -139,7 +153,7 @@ TEST(EdgePixels, FindWhatTheDirectSearchFinds) {
   for (const EdgePixel& p : pixels.list()) {
     ASSERT_NE(image.edges.at<uint8_t>(p.y, p.x), 0);
     const Eigen::Vector2d ridge = image.subPixel(p.x, p.y);
-    ASSERT_NEAR(p.ridge_x, ridge.x(), 1e-4);  // single precision of 320
+    ASSERT_NEAR(p.ridge_x, ridge.x(), 1e-4);  // single precision of numbers up to 320
     ASSERT_NEAR(p.ridge_y, ridge.y(), 1e-4);
   }
   const double tolerance = std::cos(params.orientation_tolerance_deg * M_PI / 180);
@@ -157,13 +171,13 @@ TEST(EdgePixels, FindWhatTheDirectSearchFinds) {
     differ +=
         hit.found != (found != nullptr) || (hit.found && (hit.x != found->x || hit.y != found->y));
   }
-  // A position within a thousandth of a pixel's border may be rounded to either side; a search
-  // tests up to 64 positions, few of them on edges.
+  // A position within a thousandth of a pixel from the border of a pixel may be rounded to either
+  // side. One search tests up to 64 positions, and few of them are on edges.
   EXPECT_LT(differ, kSearches / 100);
   EXPECT_EQ(pixels.nearestAlong(-100, -100, 1, 0, 16, 0), nullptr);
 }
 
-/// The table against the search along the normal, in a picture of a furnished room.
+/// The table is compared with the direct search along the normal, in a picture of a furnished room.
 TEST(EdgeField, AgreesWithTheDirectSearch) {
   const MeshModel mesh = test::furnishedRooms();
   const CameraModel camera = test::pinhole(320, 240, 250);
@@ -190,7 +204,7 @@ TEST(EdgeField, AgreesWithTheDirectSearch) {
       ++good;
     else if (hit.found && !std::isinf(table))
       good += std::abs(std::abs(hit.distance) - table) <= 1;
-    else  // found by one alone: only at the very end of the reach is that a rounding matter
+    else  // one of them finds no edge: rounding explains this at the end of the reach only
       good += (hit.found ? std::abs(hit.distance) : table) > params.search_length - 1.5;
   }
   std::printf("table agrees with the direct search within 1 px for %.2f %% of samples\n",

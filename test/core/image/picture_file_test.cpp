@@ -29,7 +29,7 @@ class PictureFile : public testing::Test {
   const fs::path directory_;
 };
 
-/// Noise does not compress, so that writing takes several blocks.
+/// A picture of noise. It does not compress, so the file is written in several blocks.
 cv::Mat noise() {
   cv::Mat picture(400, 640, CV_8UC3);
   cv::randu(picture, 0, 256);
@@ -43,11 +43,13 @@ TEST_F(PictureFile, HoldsThePicture) {
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1);
 }
 
+/// One thread rewrites the file, another one reads it all the time. It must never read a part of a
+/// file.
 TEST_F(PictureFile, WhoeverWaitsForItNeverReadsHalf) {
   std::atomic<bool> done{false};
   std::atomic<int> seen{0}, broken{0};
   std::thread reader([&] {
-    // A PNG ends with its IEND chunk.
+    // A complete PNG ends with its IEND chunk.
     while (!done) {
       std::ifstream in(file("a.png"), std::ios::binary);
       const std::string bytes((std::istreambuf_iterator<char>(in)), {});

@@ -42,7 +42,8 @@ struct Case {
 
 class AgainstReference : public testing::TestWithParam<Case> {};
 
-/// The kernel in single precision against plain double precision: same visible set, same table.
+/// The kernel computes in single precision. The truth is the plain reference in double precision,
+/// with the same visible set and the same table.
 TEST_P(AgainstReference, EveryParticleAgrees) {
   Parameters params;
   params.likelihood.model = GetParam().model;
@@ -56,17 +57,18 @@ TEST_P(AgainstReference, EveryParticleAgrees) {
   double worst = 0;
   for (size_t i = 0; i < poses.size(); ++i) {
     const PoseScore truth = referenceScore(image->frame, set, poses[i]);
-    // Log-likelihoods pass through zero; below 1 nat the error is taken absolutely.
+    // Log-likelihoods may be zero. So below 1 nat the absolute error is used.
     const double error = std::abs(fast[i].log_likelihood - truth.log_likelihood) /
                          std::max(1.0, std::abs(truth.log_likelihood));
     worst = std::max(worst, error);
     EXPECT_NEAR(fast[i].sample_weight, truth.sample_weight, 1e-3 * (1 + truth.sample_weight));
   }
   std::printf("largest relative error of %zu particles: %.2g\n", poses.size(), worst);
-  // Single precision places a sample to some 2e-5 px (three roundings of 6e-8 of 300 px); where the
-  // table steps from "edge here" to "none", a score changes by up to 5 nats per pixel, and in the
-  // robust model positive and negative scores nearly cancel. Measured over these eight cases:
-  // 0.35e-5 to 1.1e-5 (paper), 2e-5 to 4e-5 (robust).
+  // Single precision places a sample with an error of about 2e-5 px (three roundings of 6e-8 of 300
+  // px). Where the table steps from an edge to no edge, a score changes by up to 5 nats per pixel.
+  // In the robust model positive and negative scores nearly cancel, so the relative error is
+  // larger. The largest errors measured over these eight cases are 0.35e-5 to 1.1e-5 (paper) and
+  // 2e-5 to 4e-5 (robust).
   EXPECT_LT(worst, 1e-4);
 }
 
@@ -81,8 +83,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{DistortionModel::kEquidistant, LikelihoodModel::kPaper},
                     Case{DistortionModel::kEquidistant, LikelihoodModel::kRobust}));
 
-/// Thinned out, the model is one with fewer samples, farther apart: the same as striking them from
-/// the visible set by hand and telling the likelihood of the longer step.
+/// A thinned model has fewer samples, and they are farther apart. The truth is the plain reference
+/// on a visible set from which the other samples were removed by hand, with the longer step between
+/// samples.
 TEST(Thinning, IsAModelWithFewerSamples) {
   for (const auto model : {LikelihoodModel::kPaper, LikelihoodModel::kRobust}) {
     Parameters params;
@@ -102,7 +105,7 @@ TEST(Thinning, IsAModelWithFewerSamples) {
       }
       LikelihoodFrame thinned = image->frame, stretched = image->frame;
       thinned.thinning = thinning;
-      // In the paper's model the step plays no part.
+      // In the paper's model the step has no effect.
       stretched.sample_step *= thinning;
       const std::vector<PoseScore> fast = evaluateWithVisibleSet(thinned, all, poses);
       for (size_t i = 0; i < poses.size(); ++i) {
@@ -135,16 +138,17 @@ TEST(Thinning, LeavesAboutAsManySamplesAsAskedFor) {
   EXPECT_EQ(map.thinningFor({image}, kView, 0), 1u);
   EXPECT_EQ(map.thinningFor({image}, kView, 10 * all), 1u);
   for (const size_t most : {all / 10, all / 3}) {
-    // The thinning is a whole number, and the samples in the image are estimated.
+    // The thinning is a whole number, and the number of samples in the image is only estimated. So
+    // a factor of two is allowed.
     const size_t left = samplesAt(map.thinningFor({image}, kView, most));
     EXPECT_GT(left, most / 2);
     EXPECT_LT(left, 2 * most);
   }
 }
 
-/// Two vertical model lines, two vertical image edges 3 px and 4 px away from them, worked by hand:
-/// g = exp(-d^2 / 2 sigma^2) for every sample of a line, l the mean of its samples, W the
-/// exponential of k times the mean of both.
+/// Two vertical model lines have a vertical image edge 3 px and 4 px away. The truth is worked out
+/// by hand: a sample scores g = exp(-d^2 / 2 sigma^2), a line scores the mean l of its samples, and
+/// W is alpha times the exponential of k times the mean of both lines.
 TEST(PaperLikelihood, HandWorkedExample) {
   CameraModel camera = test::pinhole(320, 240, 200);
   camera.fy = 200;
@@ -161,8 +165,8 @@ TEST(PaperLikelihood, HandWorkedExample) {
   params.likelihood.alpha = 0.5;
   params.map.sample_step = 0.05;
   const LocalizationMap map(weldMesh(soup, 1e-6, "two lines"), params);
-  // Grey steps at integer pixels: dark below, bright from there on; the gradient is symmetric about
-  // u - 0.5 and the detector takes one of the two pixels, so edges are drawn directly instead.
+  // The edges are set directly. A grey step between two pixels has a gradient that is symmetric
+  // about u - 0.5, and the detector would take one of the two pixels.
   EdgeImage edges;
   edges.grey = cv::Mat(240, 320, CV_8U, cv::Scalar(0));
   edges.edges = cv::Mat(240, 320, CV_8U, cv::Scalar(0));
@@ -179,12 +183,13 @@ TEST(PaperLikelihood, HandWorkedExample) {
   const VisibleSet set = map.visibility().exact({0, 0, 0});
   const double l1 = std::exp(-3.0 * 3 / (2 * 25)), l2 = std::exp(-4.0 * 4 / (2 * 25));
   const double expected = std::log(0.5) + 7 * (l1 + l2) / 2;
-  // The table holds scores in steps of 1/254.
+  // The table holds scores in steps of 1/254, and k = 7 multiplies them.
   const PoseScore score = evaluateWithVisibleSet(frame, set, {Pose::Identity()}).front();
   EXPECT_NEAR(score.log_likelihood, expected, 7.0 / 254);
   EXPECT_NEAR(score.line_count, 2, 1e-5);
   EXPECT_NEAR(score.sample_weight, 48, 1e-3);
-  // One of the lines leaves the image: only the other one counts, S and m with it.
+  // One line leaves the image. Only the other line counts, in the sum S and in the number m of
+  // lines.
   const Pose aside = Pose(Eigen::Translation3d(1.2, 0, 0));
   edges.edges.col(103) = 0;
   const PoseScore one = evaluateWithVisibleSet(frame, set, {aside}).front();
@@ -195,7 +200,7 @@ TEST(PaperLikelihood, HandWorkedExample) {
 TEST(RobustLikelihood, WhatIsNotSeenSaysNothing) {
   const LocalizationMap map(test::furnishedRooms(), Parameters());
   const auto open = map.prepare(cameraWith(DistortionModel::kNone), roomPicture(), {}, "room");
-  // Everything masked: exactly zero. Far away, looking off: exactly zero.
+  // With a mask over the whole image, or with no model line in view, the score is exactly zero.
   const cv::Mat all(240, 320, CV_8U, cv::Scalar(255));
   const auto masked = map.prepare(cameraWith(DistortionModel::kNone), roomPicture(), all, "room");
   EXPECT_EQ(map.evaluate({{masked, Pose::Identity()}}, {kView}).front().log_likelihood, 0);
@@ -205,8 +210,9 @@ TEST(RobustLikelihood, WhatIsNotSeenSaysNothing) {
 }
 
 TEST(RobustLikelihood, ChanceScoresZeroOnAverage) {
-  // Distances drawn from p0 itself: the mean of the centred log-ratio is zero by construction;
-  // with 200,000 draws its standard error is about 0.003.
+  // The distances are drawn from p0, the density of distances by chance. So the mean of the centred
+  // log-ratio is zero by construction. With 200,000 draws its standard error is about 0.003, and
+  // the tolerance is five times as much.
   LikelihoodParameters params;
   RandomSource random(12);
   for (const double clutter : {0.005, 0.02, 0.1}) {
@@ -220,6 +226,7 @@ TEST(RobustLikelihood, ChanceScoresZeroOnAverage) {
   }
 }
 
+/// Without centring, a missing edge scores log(missing_edge) at every density of clutter.
 TEST(RobustLikelihood, UncentredAMissingEdgeCostsTheSameOnABareWallAsAmongTexture) {
   const ImageParameters image;
   const LikelihoodParameters params;
@@ -231,10 +238,12 @@ TEST(RobustLikelihood, UncentredAMissingEdgeCostsTheSameOnABareWallAsAmongTextur
   };
   for (const float clutter : {0.004F, 0.02F, 0.1F})
     EXPECT_NEAR(missing(uncentred, clutter), std::log(params.missing_edge), uncentred.scale());
-  // Centred, nothing is nearly what chance gives on a bare wall: exp(-2 c s) of all.
+  // With centring, a missing edge scores nearly zero on a bare wall: by chance, most samples there,
+  // the share exp(-2cs), have no edge.
   EXPECT_NEAR(missing(centred, 0.004F), 0, 0.2);
 }
 
+/// The scores must be equal to the last bit.
 TEST(CpuBackend, OnePoseAloneAndInABatchGiveTheSameBitsOnAnyNumberOfThreads) {
   const LocalizationMap map(test::furnishedRooms(), Parameters());
   const auto image = map.prepare(cameraWith(DistortionModel::kPlumbBob), roomPicture(), {}, "room");

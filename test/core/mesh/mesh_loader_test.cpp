@@ -17,6 +17,7 @@ std::string writeFile(const std::string& name, const std::string& text) {
   return file;
 }
 
+/// Every error is one line that names the file.
 TEST(EdgeModel, BadModelFilesAreOneLineErrors) {
   const auto expectError = [](const std::string& file) {
     try {
@@ -36,7 +37,7 @@ TEST(EdgeModel, BadModelFilesAreOneLineErrors) {
   expectError(writeFile("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n"));
   expectError(writeFile("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"));
   expectError(writeFile("truncated.stl", std::string("solid\0", 6) + std::string(90, 'x')));
-  // Without an end of the header assimp's reader would wait for it for ever.
+  // Without the end of the header assimp would search for it forever.
   expectError(
       writeFile("endless.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n0\n"));
   expectError(writeFile("broken_header.ply", std::string("ply\nformat ascii 1.0\nel\0eme", 27)));
@@ -46,7 +47,8 @@ TEST(EdgeModel, BadModelFilesAreOneLineErrors) {
   expectError(testing::TempDir());
 }
 
-/// In map coordinates of a country single precision keeps decimetres: no map to localize in.
+/// Vertices have single precision. National map coordinates of this precision are rounded to
+/// decimetres, so a robot cannot be localized in such a model.
 TEST(MeshLoader, AModelFarFromItsOriginIsRefusedOrWarnedOf) {
   const auto at = [](double x) {
     std::ostringstream text;
@@ -58,13 +60,14 @@ TEST(MeshLoader, AModelFarFromItsOriginIsRefusedOrWarnedOf) {
   EXPECT_EQ(loadMesh(at(20000), {}).report.warnings.size(), 1u);
   EXPECT_THROW(loadMesh(at(600000), {}), InputError);
   MapParameters moved;
-  moved.x = -600000;  // comes too late
+  moved.x = -600000;  // the vertices are rounded before this offset is added
   EXPECT_THROW(loadMesh(at(600000), moved), InputError);
   MapParameters millimetres;
   millimetres.scale = 0.001;
   EXPECT_TRUE(loadMesh(at(600000), millimetres).report.warnings.empty());
 }
 
+/// The file has one face without vertices and two triangles.
 TEST(MeshLoader, AFaceWithoutVerticesIsDropped) {
   const MeshModel mesh = loadMesh(
       writeFile("empty_face.ply",
@@ -76,18 +79,18 @@ TEST(MeshLoader, AFaceWithoutVerticesIsDropped) {
   EXPECT_EQ(mesh.report.degenerate_triangles, 1u);
 }
 
-/// Files are in test/data.
+/// Loads a file of test/data.
 MeshModel sample(const std::string& name) { return loadMesh(EDGE_MCL_TEST_DATA + name, {}); }
 
-/// Coordinates are those of the file, z up, though assimp prefers y up.
+/// Vertices must have the coordinates of the file, with z up. assimp prefers y up.
 TEST(MeshLoader, BuildingModelsKeepTheirAxes) {
-  const MeshModel box = sample("box.ifc");  // 4 x 3 m, 2.5 m high, standing on z = 0
+  const MeshModel box = sample("box.ifc");  // a box of 4 x 3 m, 2.5 m high, that stands on z = 0
   EXPECT_EQ(box.triangles.size(), 12u);
   EXPECT_LT((box.lowest - Eigen::Vector3f(-2, -1.5f, 0)).norm(), 1e-5f);
   EXPECT_LT((box.highest - Eigen::Vector3f(2, 1.5f, 2.5f)).norm(), 1e-5f);
-  const MeshModel triangle = sample("z_up.dae");  // (0 0 0) (2 0 0) (0 1 3)
+  const MeshModel triangle = sample("z_up.dae");  // vertices (0 0 0), (2 0 0), (0 1 3)
   EXPECT_LT((triangle.highest - Eigen::Vector3f(2, 1, 3)).norm(), 1e-5f);
-  // (0 0 0) (1 0 0) (0 0 2.5)
+  // Both files hold a triangle with the vertices (0 0 0), (1 0 0), (0 0 2.5).
   const std::string dxf =
       "0\nSECTION\n2\nENTITIES\n0\n3DFACE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n1\n21\n0\n31\n0\n"
       "12\n0\n22\n0\n32\n2.5\n13\n0\n23\n0\n33\n2.5\n0\nENDSEC\n0\nEOF\n";

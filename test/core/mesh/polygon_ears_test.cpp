@@ -21,7 +21,7 @@ std::vector<Vector3d> flat(const std::vector<std::pair<double, double>>& corners
   return polygon;
 }
 
-/// Shoelace formula.
+/// Signed area of a polygon in the plane z = 0, by the shoelace formula.
 double areaOf(const std::vector<Vector3d>& p) {
   double twice = 0;
   for (size_t i = 0; i < p.size(); ++i) {
@@ -34,12 +34,14 @@ double areaOf(const std::vector<Vector3d>& p) {
 const std::vector<std::pair<double, double>> kT = {{0, 0}, {6, 0}, {6, 2}, {4, 2},
                                                    {4, 5}, {2, 5}, {2, 2}, {0, 2}};
 
+/// The areas of the triangles must add up to the area of the polygon (shoelace formula). No
+/// triangle may be flat or turned over.
 TEST(PolygonEars, CoverThePolygonWithoutFlatTriangles) {
   std::vector<std::vector<std::pair<double, double>>> rooms = {
       kT,
-      // Other walls begin at its sides.
+      // Other walls begin on the sides of this room, so it has corners of 180 degrees.
       {{0, 0}, {1, 0}, {2, 0}, {5, 0}, {5, 2}, {5, 4}, {3, 4}, {0, 4}, {0, 1}},
-      // Pilasters: corners of all of them lie on one line.
+      // This room has pilasters. Corners of different pilasters lie on one line.
       {{0, 0},
        {8, 0},
        {8, 4},
@@ -57,7 +59,7 @@ TEST(PolygonEars, CoverThePolygonWithoutFlatTriangles) {
       std::vector<Vector3d> polygon = flat(room);
       if (reversed) std::reverse(polygon.begin(), polygon.end());
       EXPECT_FALSE(isStrictlyConvex(polygon));
-      // Anywhere in space.
+      // The polygon is turned and moved in space.
       const Eigen::AngleAxisd turn(0.7, Vector3d(1, 2, -1).normalized());
       std::vector<Vector3d> placed;
       for (const Vector3d& p : polygon) placed.push_back(turn * p + Vector3d(3, -2, 1));
@@ -73,6 +75,7 @@ TEST(PolygonEars, CoverThePolygonWithoutFlatTriangles) {
     }
 }
 
+/// A polygon that crosses itself, is flat or is bent gives no triangles.
 TEST(PolygonEars, RegularPolygonsAreConvexAndCrossedOnesCannotBeCut) {
   std::vector<std::pair<double, double>> regular;
   for (int i = 0; i < 12; ++i) regular.emplace_back(std::cos(i * M_PI / 6), std::sin(i * M_PI / 6));
@@ -91,7 +94,7 @@ TEST(PolygonEars, ACornerThatComesTwiceIsOne) {
   EXPECT_EQ(cutEars(flat(corners)).size(), kT.size() - 2);
 }
 
-/// assimp ends the process where a mesh says that it has polygons and has none.
+/// When a mesh claims to have polygons and has none, assimp ends the process.
 TEST(PolygonEars, AFloorAloneIsRead) {
   for (const char* more : {"", "f 1 2 3\n", "f 1 2 3 6\n", "l 1 4\n"}) {
     const std::string file = testing::TempDir() + "l_floor.obj";
@@ -102,7 +105,9 @@ TEST(PolygonEars, AFloorAloneIsRead) {
   }
 }
 
-/// Floor and ceiling are one polygon each, as many programs write them.
+/// Floor and ceiling are one polygon each, as many programs write them. In a closed room every side
+/// of a triangle belongs to two triangles. The area is known: floor and ceiling have 18 m^2 each,
+/// the walls are 22 m long and 2.5 m high.
 TEST(PolygonEars, ARoomOfPolygonsIsClosed) {
   const std::string file = testing::TempDir() + "t_room.obj";
   {

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A directory with three images of one second.
+/// Makes a directory with the list of three images within one second.
 class SequenceTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -54,10 +54,12 @@ TEST_F(SequenceTest, NeedsNoInitialPoseUntilItIsAskedFor) {
   EXPECT_EQ(startOf(read()).translation(), Eigen::Vector3d(1, 2, 3));
 }
 
-/// Along a line at 2 m/s, turning at 1 rad/s about it: between two readings as at them.
+/// The robot moves along a line at 2 m/s and turns about this line at 1 rad/s. So its true pose is
+/// known at every time. The first image is 0.03 s older than the first reading, and the odometry is
+/// extrapolated to it. The last image is 0.07 s newer than the last reading, which is too far.
 TEST_F(SequenceTest, OdometryOfOtherTimesIsInterpolated) {
   std::string lines;
-  for (int k = 1; k <= 10; ++k) {  // from 10.03 on: a little later than the first image
+  for (int k = 1; k <= 10; ++k) {  // the first reading is at 10.03 s
     const double t = 9.93 + 0.1 * k, angle = t - 9.93;
     lines += std::to_string(t) + " " + std::to_string(2 * angle) + " 0 0 " +
              std::to_string(std::sin(angle / 2)) + " 0 0 " + std::to_string(std::cos(angle / 2)) +
@@ -68,11 +70,11 @@ TEST_F(SequenceTest, OdometryOfOtherTimesIsInterpolated) {
   for (size_t i = 0; i < 2; ++i) {
     ASSERT_TRUE(sequence.frames[i].odometry);
     const double since = 0.07 + 0.5 * static_cast<double>(i);
-    // Six digits are in the file.
+    // The file has six decimals.
     EXPECT_NEAR(sequence.frames[i].odometry->translation().x(), 2 * since, 1e-5);
     EXPECT_NEAR(logSo3(sequence.frames[i].odometry->linear()).x(), since, 1e-5);
   }
-  EXPECT_FALSE(sequence.frames[2].odometry);  // it ends at 10.93
+  EXPECT_FALSE(sequence.frames[2].odometry);  // odometry ends at 10.93 s
   ASSERT_EQ(sequence.warnings.size(), 1u);
   EXPECT_NE(sequence.warnings[0].find("none for 1 of 3"), std::string::npos);
 }
@@ -104,7 +106,8 @@ TEST_F(SequenceTest, MasksOfAPartOfTheImagesAreWarnedOf) {
   EXPECT_TRUE(sequence.warnings.empty());
 }
 
-/// A reference of ten times the estimate's rate: what it is off by does not depend on that.
+/// The reference has ten times the rate of the estimate. Nine of the ten estimated poses are right:
+/// 9 % of all reference poses, 90 % of the matched ones.
 TEST(TrajectoryEvaluation, ADenseReferenceCostsNoSuccess) {
   Trajectory estimate, reference;
   for (int k = 0; k < 100; ++k) {

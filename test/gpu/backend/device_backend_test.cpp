@@ -16,7 +16,7 @@ namespace {
 
 const Pose kView = test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15});
 
-/// Works until call number `fails_at` of what is counted, then throws as a lost device does.
+/// Works until call number `fails_at` of one kind, then throws as a lost device does.
 class FailingEngine : public gpu::EmulatedEngine {
  public:
   enum class Call { kScore, kSetPicture, kAddCell };
@@ -65,6 +65,7 @@ class DeviceBackendTest : public testing::Test {
   }
 };
 
+/// The truth is the CPU backend.
 TEST_F(DeviceBackendTest, AgreesWithTheCpuOverSeveralImagesAndAtEveryThinning) {
   const DeviceBackend device("test", std::make_unique<gpu::EmulatedEngine>(),
                              map_.sharedVisibility(), {});
@@ -82,8 +83,8 @@ TEST_F(DeviceBackendTest, AgreesWithTheCpuOverSeveralImagesAndAtEveryThinning) {
   }
 }
 
-/// The frame in which the device is lost is computed anew on the CPU; one line says so; all later
-/// frames have exactly the CPU's bits.
+/// When the device is lost, this frame is computed anew on the CPU. One line is reported. All later
+/// frames are equal to the CPU backend to the last bit.
 TEST_F(DeviceBackendTest, WhatADeviceFailsToDoIsDoneOnTheCpu) {
   using Call = FailingEngine::Call;
   for (const auto& [call, at] : {std::pair{Call::kScore, 3},
@@ -112,8 +113,8 @@ TEST_F(DeviceBackendTest, WhatADeviceFailsToDoIsDoneOnTheCpu) {
   }
 }
 
-/// With a device no table is made on the host; a mask is heeded; more images than the device keeps
-/// can be gone back to.
+/// With a device the host makes no table. The device uses masks. It can score images that it has
+/// already dropped for newer ones.
 TEST_F(DeviceBackendTest, MakesTheTablesItself) {
   const CpuBackend cpu(map_.sharedVisibility());
   map_.setBackend(std::make_unique<DeviceBackend>("test", std::make_unique<gpu::EmulatedEngine>(),
@@ -136,6 +137,7 @@ TEST_F(DeviceBackendTest, MakesTheTablesItself) {
     }
 }
 
+/// Two frames share a table but have different cameras. Each must be scored with its own camera.
 TEST_F(DeviceBackendTest, ATableIsScoredWithTheFramesOwnCamera) {
   const DeviceBackend device("test", std::make_unique<gpu::EmulatedEngine>(),
                              map_.sharedVisibility(), {});
@@ -168,7 +170,7 @@ TEST_F(DeviceBackendTest, CamerasOfDifferentSizesTakeTurns) {
     }
 }
 
-/// More particles than are sent at once, in cells that are first met in different batches.
+/// More particles than fit into one batch lie in cells that occur first in different batches.
 TEST_F(DeviceBackendTest, ManyParticlesInManyCells) {
   const DeviceBackend device("test", std::make_unique<gpu::EmulatedEngine>(),
                              map_.sharedVisibility(), {});
@@ -194,6 +196,7 @@ TEST_F(DeviceBackendTest, APoseThatIsNotFiniteIsRefusedAndTheNextFrameIsScored) 
   EXPECT_EQ(device.evaluate(frame, cloud(20, 5)).size(), 20u);
 }
 
+/// The device is lost at its fourth call.
 TEST_F(DeviceBackendTest, TheFilterKeepsTrackingWhenTheDeviceIsLost) {
   int warnings = 0;
   map_.setBackend(std::make_unique<DeviceBackend>(
@@ -209,6 +212,7 @@ TEST_F(DeviceBackendTest, TheFilterKeepsTrackingWhenTheDeviceIsLost) {
   EXPECT_LT((filter.estimate().mean.translation() - kView.translation()).norm(), 0.03);
 }
 
+/// Four threads use one device, which is lost at its tenth call. Only one line may be reported.
 TEST_F(DeviceBackendTest, ManyThreadsTakeTurns) {
   std::atomic<int> warnings{0};
   const DeviceBackend device("test",

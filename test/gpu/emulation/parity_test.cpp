@@ -31,7 +31,7 @@ struct Case {
 
 const Pose kView = test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15});
 
-/// The room's box edges as a line map without faces.
+/// The edges of the furnished rooms as a line map without faces.
 MeshModel lineMap() {
   const MeshModel rooms = test::furnishedRooms();
   MeshModel mesh = rooms;
@@ -56,7 +56,7 @@ std::vector<Pose> cloud(size_t n) {
   return poses;
 }
 
-/// A frame of the case, 10,000 poses and what the CPU backend says.
+/// The frame of the case, 10,000 poses, and their scores by the CPU backend.
 class Parity : public testing::TestWithParam<Case> {
  protected:
   void SetUp() override {
@@ -79,8 +79,9 @@ class Parity : public testing::TestWithParam<Case> {
     reference_ = CpuBackend(map_->sharedVisibility()).evaluate(image_->frame, poses_);
   }
 
-  /// Single precision places a sample to some 3e-5 px on either side; where the table steps, a
-  /// score changes by up to 5 per pixel; the discounts for lines bring the total below this.
+  /// Single precision places a sample with an error of about 3e-5 px on host and device. Where the
+  /// table steps, a score changes by up to 5 nats per pixel. Lines are discounted, which brings the
+  /// total difference below this.
   static constexpr double kTolerance = 1e-3;
 
   void expectAgreement(const std::vector<double>& values) const {
@@ -102,7 +103,7 @@ class Parity : public testing::TestWithParam<Case> {
       return order;
     };
     const auto expected = ranking(truth), found = ranking(values);
-    for (size_t k = 0; k < 100; ++k)  // up to ties within the tolerance
+    for (size_t k = 0; k < 100; ++k)  // ties within the tolerance may swap
       EXPECT_LE(std::abs(truth[expected[k]] - truth[found[k]]), 2 * kTolerance) << "rank " << k;
   }
 
@@ -128,7 +129,7 @@ TEST_P(Parity, TheKernelBodyOnTheHostAgreesWithTheCpuBackend) {
       values.push_back(r.log_likelihood);
     expectAgreement(values);
   }
-  // For a machine with a GPU and nothing else, see bench/README.md.
+  // For a machine that has a GPU and nothing else, see bench/README.md.
   if (const char* directory = std::getenv("EDGE_MCL_WORKLOADS"))
     gpu::writeWorkload(workload, std::string(directory) + "/parity" +
                                      std::to_string(static_cast<int>(GetParam().scene)) +
@@ -164,7 +165,7 @@ INSTANTIATE_TEST_SUITE_P(All, Parity,
                                          Case{Scene::kFisheye, LikelihoodModel::kPaper},
                                          Case{Scene::kFisheye, LikelihoodModel::kRobust}));
 
-/// The maths for host and device against the double-precision camera model.
+/// The truth of the maths for host and device is the camera model in double precision.
 TEST(SampleMath, ProjectsLikeTheCameraModel) {
   RandomSource random(3);
   for (const auto model : {DistortionModel::kNone, DistortionModel::kPlumbBob,
@@ -188,7 +189,7 @@ TEST(SampleMath, ProjectsLikeTheCameraModel) {
         q = gpu::distortEquidistant(c, x, y, r2);
       else if (model != DistortionModel::kNone)
         q = gpu::distortPolynomial(c, x, y, r2);
-      // Ten roundings of numbers up to 320.
+      // The tolerance is ten roundings of numbers up to 320.
       EXPECT_NEAR(c.fx * q.x + c.cx, pixel.x(), 2e-4);
       EXPECT_NEAR(c.fy * q.y + c.cy, pixel.y(), 2e-4);
       EXPECT_NEAR(c.fx * q.j00, jacobian(0, 0), 2e-3);
@@ -219,7 +220,7 @@ TEST(Workload, ADamagedFileIsRefused) {
   const std::string bytes((std::istreambuf_iterator<char>(in)), {});
   std::ofstream(file, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
   EXPECT_THROW(gpu::readWorkload(file), std::runtime_error);
-  w.chunks[0].count = 33;  // a sample that it doesn't have
+  w.chunks[0].count = 33;  // a sample that the file does not hold
   gpu::writeWorkload(w, file);
   EXPECT_THROW(gpu::readWorkload(file), std::runtime_error);
   EXPECT_THROW(gpu::readWorkload("/does/not/exist"), std::runtime_error);

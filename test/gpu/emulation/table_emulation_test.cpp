@@ -18,7 +18,8 @@
 namespace edge_mcl {
 namespace {
 
-/// A room, something textured, noise, and nothing at all; sizes that fill no block.
+/// Picture number `kind`: a room, ellipses, noise, or an even surface. Some sizes do not fill the
+/// last block of threads.
 cv::Mat picture(int kind, cv::Size size) {
   cv::Mat image(size, CV_8U, cv::Scalar(90));
   cv::RNG random(7 + kind);
@@ -63,7 +64,8 @@ const Setting kSettings[] = {
      true},
 };
 
-/// Everything that was picked, rounded or compared on the way must have come out the same.
+/// The truth is the table of the host. Every element must be equal, so every choice, rounding and
+/// comparison on the way must be equal.
 void expectSameTable(const std::function<std::vector<gpu::Quad>(const gpu::TableRecipe&,
                                                                 const gpu::PictureData&)>& make) {
   for (const Setting& setting : kSettings)
@@ -112,7 +114,7 @@ TEST(TableOnDevice, TheDeviceMakesTheHostsTable) {
   if (const std::string why = gpu::Engine::whyUnavailable(); !why.empty())
     GTEST_SKIP() << "SKIPPED: no CUDA device answers: " << why;
   gpu::Engine engine;
-  std::list<gpu::TableRecipe> kept;  // until the next call, says the engine
+  std::list<gpu::TableRecipe> kept;  // the engine needs a recipe until its next call
   expectSameTable([&](const gpu::TableRecipe& recipe, const gpu::PictureData& data) {
     kept.push_back(recipe);
     engine.setPicture(0, {}, {}, kept.back(), data);
@@ -147,7 +149,8 @@ TEST(Blur, WeightsAddUpAndHaveTheWidth) {
       variance += 2.0 * weights[i] * static_cast<double>(i * i) / kBlurUnit;
     }
     EXPECT_EQ(sum, kBlurUnit);
-    // What rounding to 64 steps leaves: the tail beyond the last half step is missing.
+    // The weights are rounded to 64 steps. So the tail of the Gaussian below half a step is
+    // missing.
     EXPECT_NEAR(std::sqrt(variance), sigma, 0.05 + 0.06 * sigma) << sigma;
   }
 }

@@ -1,4 +1,4 @@
-// The same flight as a directory and as a rawlog is the same to the localizer.
+// A rawlog must give the localizer the flight that was written into it.
 #include <gtest/gtest.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
@@ -33,6 +33,7 @@ class RecordedInputs : public testing::Test {
   fs::path folder_;
 };
 
+/// The truth is the frames of the simulator.
 TEST_F(RecordedInputs, ARawlogHoldsTheFlight) {
   const Scenario scenario =
       Scenario::fromYamlFile(std::string(EDGE_MCL_TEST_DATA) + "small_flight.yaml");
@@ -62,7 +63,8 @@ TEST_F(RecordedInputs, ARawlogHoldsTheFlight) {
     EXPECT_EQ(input.views[0].image.size(), frame.color.size());
     EXPECT_EQ(input.views[0].mask.empty(), frame.mask.empty());
     EXPECT_TRUE(input.views[0].T_base_camera.isApprox(setup.T_base_camera, 1e-6));
-    // Odometry of the base, from the flight's begin; that of the recording is the camera's.
+    // The rawlog holds the odometry of the base since the begin of the flight. The simulator gives
+    // the odometry of the camera, which is converted here.
     ASSERT_TRUE(input.odometry);
     if (!first) first = input.odometry;
     const Pose moved = frames[0].odometry->inverse() * *frame.odometry;
@@ -77,7 +79,7 @@ TEST_F(RecordedInputs, ARawlogHoldsTheFlight) {
   EXPECT_TRUE(input.views[0].mask.empty());
 }
 
-/// Frames of noise, which does not compress.
+/// A frame with an image of noise, which does not compress.
 RecordedFrame noisy(double time) {
   RecordedFrame frame;
   frame.time = time;
@@ -96,6 +98,7 @@ RecordingSetup smallSetup() {
   return setup;
 }
 
+/// Before close() the file has the name FILE.part. An existing rawlog is never overwritten.
 TEST_F(RecordedInputs, ARawlogHasItsNameWhenItIsWhole) {
   const std::string file = (folder_ / "new.rawlog").string();
   {
@@ -109,7 +112,7 @@ TEST_F(RecordedInputs, ARawlogHasItsNameWhenItIsWhole) {
   const auto size = fs::file_size(file);
   EXPECT_THROW(RawlogWriter(file, smallSetup(), FilterParameters()), InputError);
   EXPECT_EQ(fs::file_size(file), size);
-  // One that is given up, as by an exception.
+  // A rawlog without close(), as after an exception, never gets its name.
   const std::string other = (folder_ / "other.rawlog").string();
   RawlogWriter(other, smallSetup(), FilterParameters()).write(noisy(1));
   EXPECT_FALSE(fs::exists(other));
@@ -121,7 +124,7 @@ TEST_F(RecordedInputs, ARawlogThatIsCutOffSaysSo) {
   for (int k = 0; k < 6; ++k) writer.write(noisy(1 + k));
   writer.close();
   EXPECT_EQ(RawlogInput(file, true, false).damage(), "");
-  fs::resize_file(file, fs::file_size(file) * 6 / 10);  // amid the fourth image
+  fs::resize_file(file, fs::file_size(file) * 6 / 10);  // in the middle of the fourth image
   RawlogInput half(file, true, false);
   EXPECT_EQ(half.imageCount(), 3u);
   EXPECT_NE(half.damage().find("cut off after 3 images"), std::string::npos) << half.damage();
@@ -131,7 +134,8 @@ TEST_F(RecordedInputs, ARawlogThatIsCutOffSaysSo) {
   EXPECT_FALSE(half.next(&input, &problem));
 }
 
-/// As MRPT's tools write large recordings: X.rawlog and X_Images/.
+/// MRPT's tools write large recordings as X.rawlog with images in X_Images/. Here one image file is
+/// no image, one is missing, and the file of the range image is missing. Each fault is one line.
 TEST_F(RecordedInputs, ImagesInFilesOfTheirOwnAreRead) {
   const fs::path images = folder_ / "large_Images";
   fs::create_directories(images);

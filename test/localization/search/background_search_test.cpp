@@ -1,6 +1,8 @@
-// The pose is looked for while images go on. How far the search gets depends on the machine, so the
-// flight goes to and fro until it is found, or for much longer than that takes.
+// The search runs in its own thread while images go on. How far it gets depends on the machine. So
+// the flight goes to and fro until the pose is found, or until a limit that is much longer than the
+// search takes.
 #include "edge_mcl/localization/search/background_search.h"
+#include "edge_mcl/core/base/angles.h"
 
 #include <gtest/gtest.h>
 
@@ -16,10 +18,9 @@
 namespace edge_mcl {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr auto kPeriod = std::chrono::milliseconds(66);  // 15 images a second
 
-/// Goes through a recorded flight to and fro, without a break in its motion.
+/// Gives the images of a recorded flight to and fro, without a jump in its motion.
 class ToAndFro {
  public:
   explicit ToAndFro(const Scenario& scenario) : camera_(scenario.camera) {
@@ -69,6 +70,7 @@ class BackgroundSearchTest : public testing::Test {
   }
 };
 
+/// The truth is the pose of the simulator, see isRight().
 TEST_F(BackgroundSearchTest, FindsTheCameraWhileImagesGoOn) {
   LiveLocalizer localizer(map_, true);
   localizer.searchEverywhere();
@@ -79,7 +81,7 @@ TEST_F(BackgroundSearchTest, FindsTheCameraWhileImagesGoOn) {
     std::this_thread::sleep_for(kPeriod);
   } while (!result.relocalized && ++images < kMostImages);
   ASSERT_TRUE(result.relocalized);
-  // Of this very image, though an older one was worked at.
+  // The pose must be the pose at this image, though the search used an older one.
   EXPECT_TRUE(isRight(result));
   EXPECT_GT(images, result.search_keyframes);
   for (int i = 0; i < 60; ++i) {
@@ -89,6 +91,8 @@ TEST_F(BackgroundSearchTest, FindsTheCameraWhileImagesGoOn) {
   EXPECT_EQ(result.state, LocalizerState::kTracking);
 }
 
+/// The filter starts 5 m away from the true pose. It must become lost, and then the search must
+/// find the pose.
 TEST_F(BackgroundSearchTest, FindsItAgainAfterItWasCarriedElsewhere) {
   LiveLocalizer localizer(map_, true);
   PoseGaussian elsewhere;
@@ -112,7 +116,7 @@ TEST_F(BackgroundSearchTest, FindsItAgainAfterItWasCarriedElsewhere) {
   EXPECT_EQ(tracked, 10);
 }
 
-/// The search alone.
+/// Tests the search without a filter.
 class BackgroundSearchAlone : public BackgroundSearchTest {
  protected:
   BackgroundSearch search_{*map_, 1};
@@ -134,13 +138,13 @@ class BackgroundSearchAlone : public BackgroundSearchTest {
   }
 };
 
-// What an older search finds must not be taken for an answer to a newer question.
+/// The result of an older search must not be taken for the result of a newer one.
 TEST_F(BackgroundSearchAlone, BeginsAnewWhileItThinks) {
   search_.begin();
   EXPECT_EQ(awaitNews().keyframes, 1);
   for (int i = 0; i < 5; ++i) {
     search_.begin();
-    offer();  // worked at when it begins anew
+    offer();  // the thread works on this image when the search begins anew
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
   }
   search_.begin();
@@ -148,16 +152,17 @@ TEST_F(BackgroundSearchAlone, BeginsAnewWhileItThinks) {
   EXPECT_FALSE(first.keyframe);
   EXPECT_TRUE(first.clusters.empty());
   EXPECT_EQ(awaitNews().keyframes, 1);
-  offer();  // and ends while something is worked at
+  offer();  // the search ends while its thread works on an image
 }
 
+/// The truth is the product of the steps.
 TEST_F(BackgroundSearchAlone, OdometryCarriesWhatItFoundToThePresent) {
   search_.begin();
   const SearchReport then = awaitNews();
   ASSERT_EQ(then.keyframes, 1);
   ASSERT_FALSE(then.clusters.empty());
   const FilterParameters& p = map_->params().filter;
-  // Less than a new view, in two steps.
+  // Two steps move the camera, but less than the distance that makes a keyframe.
   const Pose step = expSe3((Twist() << 0.02, -0.01, 0.03, 0.01, -0.02, 0.01).finished());
   search_.move(BaseMotion::of(p, step, 0.1));
   search_.move(BaseMotion::of(p, step, 0.1));
@@ -168,7 +173,8 @@ TEST_F(BackgroundSearchAlone, OdometryCarriesWhatItFoundToThePresent) {
   EXPECT_TRUE(now.estimate.mean.isApprox(then.estimate.mean * both, 1e-9));
   EXPECT_TRUE(now.clusters.front().pose.isApprox(then.clusters.front().pose * both, 1e-9));
   EXPECT_GT(now.estimate.covariance.trace(), then.estimate.covariance.trace());
-  // Odometry drifts: on a busy machine it carried a pose for ten seconds, to 0.29 m from the truth.
+  // Odometry drifts. On a busy machine it once carried a pose for ten seconds, to 0.29 m from the
+  // truth. So a pose that is carried too far is stale.
   for (int i = 0; i < 60; ++i)
     search_.move(BaseMotion::of(p, expSe3((Twist() << 0.05, 0, 0, 0, 0, 0.01).finished()), 0.1));
   EXPECT_TRUE(offer().stale);
@@ -178,13 +184,14 @@ TEST_F(BackgroundSearchAlone, WhatItFoundBeforeAGapOfOdometryIsStale) {
   search_.begin();
   ASSERT_EQ(awaitNews().keyframes, 1);
   const FilterParameters& p = map_->params().filter;
-  // Half a second: it may be anywhere around.
+  // For half a second there is no odometry, so the camera may be anywhere around.
   search_.move(BaseMotion::of(p, std::nullopt, 0.5));
   EXPECT_TRUE(offer().stale);
 }
 
-// After a search of ten seconds the next view was ten seconds of flight away; a pose followed over
-// that, and through two more views, was 0.36 m off and called tracking.
+/// When a keyframe takes ten seconds, the next keyframe is ten seconds of flight away. Once a pose
+/// was followed over this gap and through two more keyframes. It had an error of 0.36 m and was
+/// called tracking.
 TEST_F(BackgroundSearchAlone, WhatItFollowedOverAGapBetweenViewsIsStale) {
   const FilterParameters& p = map_->params().filter;
   const auto fly = [&](int steps) {
@@ -207,6 +214,8 @@ TEST_F(BackgroundSearchAlone, WhatItFollowedOverAGapBetweenViewsIsStale) {
   EXPECT_FALSE(awaitNews().stale);
 }
 
+/// The model is a plate without an inside, so there is no place to search. The error of the search
+/// thread must be reported.
 TEST_F(BackgroundSearchTest, WhatGoesWrongIsTold) {
   MeshSoup plate;
   plate.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};

@@ -1,4 +1,4 @@
-// Finding a pose without knowing where to begin, and again when it was lost.
+// Tests the search for a pose without a first guess, and after the pose was lost.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/localization/search/global_localizer.h"
 #include "edge_mcl/localization/search/small_image.h"
@@ -18,10 +19,9 @@ namespace edge_mcl {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double kDegree = M_PI / 180;
 const std::string kData = EDGE_MCL_TEST_DATA;
 
-/// As an IMU would say it, to about a degree.
+/// The direction up as an IMU measures it, with a standard deviation of one degree.
 UpReading upOf(const Pose& truth, RandomSource* random) {
   UpReading up;
   up.sigma = 1 * kDegree;
@@ -45,7 +45,7 @@ LiveInput inputOf(const RecordedFrame& frame, const CameraModel& camera, RandomS
   return input;
 }
 
-/// Off by up to a metre and 15 degrees.
+/// A guess with an error of up to 1 m and 15 degrees.
 PoseGaussian badGuess(const Pose& truth, RandomSource* random) {
   Twist error;
   error.head<3>() = 1.0 * random->uniform() * random->direction();
@@ -59,6 +59,7 @@ PoseGaussian badGuess(const Pose& truth, RandomSource* random) {
 
 bool isRight(const Pose& pose, const Pose& truth) { return isNear(pose, truth, 0.25, 5 * kDegree); }
 
+/// The truth is the projection into the full image.
 TEST(SmallImage, PixelsAreThoseOfTheFullImage) {
   const Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
   Simulator simulator(scenario);
@@ -70,7 +71,8 @@ TEST(SmallImage, PixelsAreThoseOfTheFullImage) {
   const auto small = images.make(*full);
   ASSERT_EQ(small->camera.width, 160);
   ASSERT_EQ(small->camera.height, 120);
-  // The centre of the top-left pixel is (0, 0), so that of a block of 2 x 2 lies at (0.5, 0.5).
+  // The centre of the top-left pixel is (0, 0). So the centre of a block of 2 x 2 pixels is (0.5,
+  // 0.5).
   for (const Eigen::Vector3d& p :
        {Eigen::Vector3d(0.1, -0.2, 1), Eigen::Vector3d(-0.4, 0.3, 1.2)}) {
     Eigen::Vector2d a, b;
@@ -81,6 +83,7 @@ TEST(SmallImage, PixelsAreThoseOfTheFullImage) {
   EXPECT_GT(small->edges.edgeCount(), 200u);
 }
 
+/// The truth is the pose of the simulator. After the search every pose must be right.
 TEST(Search, FindsTheCameraInTheOfficeAndTracksIt) {
   Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
   Simulator simulator(scenario);
@@ -108,8 +111,8 @@ TEST(Search, FindsTheCameraInTheOfficeAndTracksIt) {
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
 }
 
-// A pose that only looks like the right one is often a bay away. The hall's bays are 3.6 m long;
-// the search is not told.
+/// A pose that looks like the right one is often a bay away. The bays of the hall are 3.6 m long,
+/// and the search does not know this length.
 TEST(Search, FindsTheRightBayFromTheOneBesideIt) {
   const std::string scenario = std::string(EDGE_MCL_MAPS) + "/hall_flight.yaml";
   const LocalizationMap map(Scenario::fromYamlFile(scenario).model_file, {});
@@ -129,13 +132,14 @@ TEST(Search, FindsTheRightBayFromTheOneBesideIt) {
       return isNear(pose, *frame.truth, 0.2, 1 * kDegree);
     });
   }
-  // One misses it. The asked number leaves room for other random flights.
+  // One of the 20 flights misses the right bay. The required number leaves room for other random
+  // flights.
   std::printf("found from the bay beside it: %d of %d\n", found, kFlights);
   EXPECT_GE(found, 17) << "of " << kFlights;
 }
 
-// Search and filter come to the same place by different ways: then it is believed after three
-// views.
+/// When search and filter come to the same pose in different ways, the pose is trusted after three
+/// keyframes.
 TEST(Search, ABadGuessIsMadeGoodWithinAFewImages) {
   const Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
   const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
@@ -153,7 +157,7 @@ TEST(Search, ABadGuessIsMadeGoodWithinAFewImages) {
     } while (localizer.state() != LocalizerState::kTracking && images < 61);
     EXPECT_TRUE(isRight(localizer.filter().estimate().mean, *frame.truth)) << "seed " << seed;
     std::printf("seed %d: tracking after %d images\n", static_cast<int>(seed), images);
-    // The filter alone has to prove itself for a second, 15 images.
+    // Without the search, the filter has to prove itself for one second, which is 15 images.
     EXPECT_LE(images, 15) << "seed " << seed;
   }
 }
@@ -163,7 +167,7 @@ TEST(Search, FindsItAgainAfterItWasCarriedElsewhere) {
   Simulator simulator(scenario);
   const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
   LiveLocalizer localizer(map);
-  // As if it had been tracked in the other room before.
+  // The start is wrong: it is in the other room, with a small covariance.
   PoseGaussian elsewhere;
   elsewhere.mean = scenario.cameraAt(0);
   elsewhere.mean.pretranslate(Eigen::Vector3d(5, 1.5, 0));
@@ -187,8 +191,8 @@ TEST(Search, FindsItAgainAfterItWasCarriedElsewhere) {
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
 }
 
-// A recording in a loop begins where it began; one that is turned back a little does not, and two
-// images may fit the wrong place by chance.
+/// When a recording is played in a loop, the robot is back where it began. When the recording is
+/// turned back a little, the robot is not there, and two images may fit this wrong place by chance.
 TEST(Search, AfterAClockThatJumpedBackTheInitialPoseHasToProveItself) {
   Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
   const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
@@ -206,7 +210,7 @@ TEST(Search, AfterAClockThatJumpedBackTheInitialPoseHasToProveItself) {
       simulator.next(&frame);
       const LiveResult r = localizer.process(inputOf(frame, scenario.camera, &random));
       EXPECT_EQ(r.restarted, again && i == 0);
-      // For a second, 15 images.
+      // The proof takes a second, which is 15 images.
       if (again && i < 14) {
         EXPECT_EQ(r.state, LocalizerState::kConverging) << "image " << i;
       }
@@ -215,7 +219,8 @@ TEST(Search, AfterAClockThatJumpedBackTheInitialPoseHasToProveItself) {
   }
 }
 
-/// What the search found in the middle of a flight is not where the flight begins.
+/// The search found the pose in the middle of the flight. The flight does not begin there, so the
+/// search begins anew.
 TEST(Search, AfterAClockThatJumpedBackItBeginsAnewWhereNoPoseWasGiven) {
   Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
   const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
@@ -224,8 +229,8 @@ TEST(Search, AfterAClockThatJumpedBackItBeginsAnewWhereNoPoseWasGiven) {
   RandomSource random(5);
   Simulator simulator(scenario);
   RecordedFrame frame;
-  while ((!localizer.isInitialized() || frame.time < 1.5) &&
-         simulator.next(&frame))  // a jump is longer
+  // The clock must jump back by more than a second. A smaller step is taken for a late image.
+  while ((!localizer.isInitialized() || frame.time < 1.5) && simulator.next(&frame))
     localizer.process(inputOf(frame, scenario.camera, &random));
   ASSERT_TRUE(localizer.isInitialized());
   Simulator again(scenario);
@@ -241,7 +246,8 @@ TEST(Search, LooksFartherThanABadGuessThatIsWrong) {
   Simulator simulator(scenario);
   const auto map = std::make_shared<LocalizationMap>(scenario.model_file, quickSearch());
   LiveLocalizer localizer(map);
-  // Said to be known to half a metre; it is in the other room, ten standard deviations away.
+  // The guess has a standard deviation of 0.5 m, but the camera is in the other room, ten standard
+  // deviations away.
   PoseGaussian guess;
   guess.mean = scenario.cameraAt(0);
   guess.mean.pretranslate(Eigen::Vector3d(5, 1.5, 0));
@@ -260,6 +266,7 @@ TEST(Search, LooksFartherThanABadGuessThatIsWrong) {
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
 }
 
+/// No image has an up direction. The search takes roll and pitch from the lost pose.
 TEST(Search, WithoutAnImuALostCameraIsTakenToBeAsUprightAsItWas) {
   Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
   Simulator simulator(scenario);
@@ -287,6 +294,7 @@ TEST(Search, WithoutAnImuALostCameraIsTakenToBeAsUprightAsItWas) {
 
 class SearchCues : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
+/// The search works with the paper's likelihood, with depth alone and with both cues.
 TEST_P(SearchCues, FindTheCamera) {
   Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
   Simulator simulator(scenario);
@@ -320,7 +328,7 @@ INSTANTIATE_TEST_SUITE_P(All, SearchCues,
                                          std::pair{"likelihood.cues", "both"},
                                          std::pair{"likelihood.cues", "depth"}));
 
-/// An empty box looks the same turned by half a turn: no number of images can tell.
+/// An empty box looks the same after half a turn. No number of images can tell the two poses apart.
 class SymmetricRoom : public testing::Test {
  protected:
   fs::path folder_ = fs::temp_directory_path() / ("edge_mcl_search_" + std::to_string(getpid()));
@@ -338,7 +346,8 @@ class SymmetricRoom : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// Reports of all images; poses are compared with `truth`.
+  /// Searches through a flight in the box. @param truth gets the true pose of every image @return
+  /// one report per image
   std::vector<SearchReport> search(std::vector<Pose>* truth) {
     const Scenario scenario = Scenario::fromYamlFile((folder_ / "flight.yaml").string());
     Simulator simulator(scenario);
@@ -363,6 +372,8 @@ class SymmetricRoom : public testing::Test {
   }
 };
 
+/// The two best places must be the true pose and the true pose turned by half a turn. The search
+/// must not converge.
 TEST_F(SymmetricRoom, StaysAmbiguousAndSaysSo) {
   std::vector<Pose> truth;
   const std::vector<SearchReport> reports = search(&truth);
@@ -383,6 +394,7 @@ TEST_F(SymmetricRoom, StaysAmbiguousAndSaysSo) {
   EXPECT_TRUE(contains(half_turn * truth[newest]));
 }
 
+/// The result must be equal to the last bit.
 TEST_F(SymmetricRoom, IsTheSameWhateverTheThreads) {
   std::vector<Pose> truth;
   const std::vector<SearchReport> many = search(&truth);

@@ -9,15 +9,16 @@
 namespace edge_mcl {
 namespace {
 
-/// A square of 1 m, two metres before a camera that looks along z, as lines and as it is seen: a
-/// bright square of 125 pixels.
+/// The model is a square of 1 m, as four lines, 2 m in front of a camera that looks along z. The
+/// picture shows it as a bright square of 125 pixels.
 class Square : public testing::Test {
  protected:
   static MeshModel linesOf(int copies) {
     MeshSoup soup;
     for (int c = 0; c < copies; ++c) {
       const auto first = static_cast<uint32_t>(soup.vertices.size());
-      // Copies lie a millimetre behind each other: not welded, the same in the image.
+      // The copies lie a millimetre behind each other. So they are not welded, but they look alike
+      // in the image.
       const float z = 2 + 0.001F * static_cast<float>(c);
       soup.vertices.insert(
           soup.vertices.end(),
@@ -59,13 +60,14 @@ class Square : public testing::Test {
 };
 
 TEST_F(Square, IsExplainedFromWhereItWasSeen) {
-  // Four sides of some 124 pixels.
+  // The square has four sides of about 124 pixels.
   EXPECT_NEAR(static_cast<double>(contours_.size()), 4 * 124, 16);
   EXPECT_GT(explained(1, moved(0)), 0.98 * static_cast<double>(contours_.size()));
 }
 
 TEST_F(Square, IsHalfExplainedFromTheSide) {
-  // 0.3 m are 37 pixels: the upright sides are elsewhere, the level ones overlap by 87 of 124.
+  // 0.3 m are 37 pixels. The upright sides do not overlap, and the level sides overlap by 87 of 124
+  // pixels.
   const double share =
       static_cast<double>(explained(1, moved(0.3))) / static_cast<double>(contours_.size());
   EXPECT_NEAR(share, 0.5 * 87 / 124, 0.04);
@@ -81,24 +83,27 @@ TEST_F(Square, LinesUponEachOtherCountOnce) {
 }
 
 TEST_F(Square, DirectionsMustAgree) {
-  // Turned by 45 degrees about the line of sight lines only cross.
+  // The camera is turned by 45 degrees about the line of sight, so model lines only cross the
+  // contours.
   EXPECT_LT(static_cast<double>(explained(1, moved(0, 0, 45))),
             0.1 * static_cast<double>(contours_.size()));
 }
 
 TEST_F(Square, NothingIsMissingFromWhereItWasSeen) {
-  // But at the four corners, where an image's gradient has no direction.
+  // Model edges may be missing at the four corners only, where the gradient of an image has no
+  // direction.
   EXPECT_LE(match(1, moved(0)).missing, 16u);
   EXPECT_EQ(match(5, moved(0)).missing, match(1, moved(0)).missing);
 }
 
 TEST_F(Square, WhatTheImageDoesNotShowIsMissing) {
-  // From 0.3 m aside both upright sides (124 pixels each) are seen in vain and 37 pixels of both
-  // level ones; nearness gives back three cells of two pixels at their ends.
+  // From 0.3 m to the side, the image does not show both upright sides (124 pixels each) and 37
+  // pixels of both level sides. Neighbouring cells count as near, which gives back three cells of
+  // two pixels at their ends.
   EXPECT_NEAR(static_cast<double>(match(1, moved(0.3)).missing), 2 * 124 + 2 * 37, 24);
   EXPECT_EQ(match(5, moved(0.3)).missing, match(1, moved(0.3)).missing);
   EXPECT_EQ(match(1, moved(0, 180)).missing, 0u);
-  // On a bare wall all of it is.
+  // On a bare wall all four sides are missing.
   const ImageContours bare(findEdges(cv::Mat(240, 320, CV_8U, cv::Scalar(90)), {}, {}, "bare"));
   EXPECT_NEAR(static_cast<double>(match(bare, 1, moved(0)).missing), 4 * 124, 16);
   EXPECT_EQ(match(bare, 1, moved(0)).explained, 0u);
@@ -109,7 +114,7 @@ TEST_F(Square, NothingIsMissingUnderTheMask) {
   cv::Mat mask(240, 320, CV_8U, cv::Scalar(0));
   mask.colRange(0, 160) = 255;
   const ImageContours masked(findEdges(bare, mask, {}, "masked"));
-  // The right half: one side, and half of two.
+  // In the right half, one side and half of two sides are missing.
   EXPECT_NEAR(static_cast<double>(match(masked, 1, moved(0)).missing), 2 * 124, 20);
 }
 

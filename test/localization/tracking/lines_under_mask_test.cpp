@@ -12,8 +12,9 @@
 namespace edge_mcl {
 namespace {
 
-/// The map holds a square of 1 m, two metres before a camera that looks along z: in the image it
-/// lies between columns 98 and 222 and rows 58 and 182. A mask covers it and more.
+/// The map holds a square of 1 m, 2 m in front of a camera that looks along z. In the image the
+/// square lies between columns 98 and 222 and rows 58 and 182. A mask covers the square and its
+/// surroundings.
 class MaskOverASquare : public testing::Test {
  protected:
   static MeshModel square() {
@@ -62,22 +63,24 @@ TEST_F(MaskOverASquare, AllOfWhatTheMapHoldsIsShown) {
   ASSERT_EQ(lines.size(), 4u);
   for (const LineUnderMask& line : lines) {
     EXPECT_NEAR(line.length, 125, 1);
-    // But at the corners, where a gradient has no direction.
+    // At the corners the gradient has no direction, so some pixels are not shown.
     EXPECT_GT(line.shown, 0.9 * line.length);
   }
 }
 
 TEST_F(MaskOverASquare, NothingIsShownOfWhatIsNotThere) {
   for (const LineUnderMask& line : linesIn(background())) EXPECT_EQ(line.shown, 0);
-  // Something round in front of it touches each side where it is parallel to it: a circle of 62
-  // pixels' radius stays within 4 of its tangent for 2 * sqrt(2 * 62 * 4) = 45 pixels.
+  // A disc in front of the square touches each side where its outline is parallel to the side. The
+  // outline of a circle of 62 pixels radius stays within 4 pixels of its tangent for 2 * sqrt(2 *
+  // 62 * 4) = 45 pixels.
   cv::Mat disc = background();
   cv::circle(disc, {160, 120}, 62, cv::Scalar(180), cv::FILLED);
   for (const LineUnderMask& line : linesIn(disc)) EXPECT_LT(line.shown, 50);
 }
 
 TEST_F(MaskOverASquare, AtAWrongPoseOnlyWhatRunsAlongTheErrorIsShown) {
-  // 10 cm are 12 pixels: the upright sides are not there.
+  // 10 cm are 12 pixels. So the upright sides are not shown, and the level sides are shown except
+  // for these pixels.
   for (const LineUnderMask& line : linesIn(withSquare(), 0.1)) {
     if (isUpright(line)) {
       EXPECT_EQ(line.shown, 0);
@@ -88,7 +91,7 @@ TEST_F(MaskOverASquare, AtAWrongPoseOnlyWhatRunsAlongTheErrorIsShown) {
 }
 
 TEST_F(MaskOverASquare, WhoStandsBeforeItHidesIt) {
-  // The left half, and a margin in which the contour bends.
+  // A dark object covers the left half, and a margin in which its contour bends.
   cv::Mat grey = withSquare();
   cv::rectangle(grey, {66, 40}, {160, 200}, cv::Scalar(30), cv::FILLED);
   for (const LineUnderMask& line : linesIn(grey)) {
@@ -97,6 +100,7 @@ TEST_F(MaskOverASquare, WhoStandsBeforeItHidesIt) {
   }
 }
 
+/// The mask has a gap of 20 columns in its middle. So each level side gives two lines.
 TEST_F(MaskOverASquare, PartsOfTheMaskAreLookedAtOneByOne) {
   mask_.colRange(150, 170) = 0;
   int level = 0;
@@ -111,7 +115,7 @@ TEST_F(MaskOverASquare, PartsOfTheMaskAreLookedAtOneByOne) {
 TEST_F(MaskOverASquare, TheBandOfALineIsCleared) {
   cv::Mat mask = mask_.clone();
   for (const LineUnderMask& line : linesIn(withSquare())) clearAlong(line, 8, &mask);
-  // Eight pixels to either side of all four.
+  // The mask is cleared eight pixels to either side of all four sides, and nowhere else.
   for (const int y : {58 - 7, 58, 58 + 7, 182 - 7, 182, 182 + 7})
     EXPECT_EQ(cv::countNonZero(mask.row(y).colRange(100, 220)), 0) << y;
   for (const int x : {98 - 7, 98, 98 + 7, 222 - 7, 222, 222 + 7})

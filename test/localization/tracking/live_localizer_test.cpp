@@ -1,10 +1,10 @@
-// How far the pose of a followed camera is trusted, with images drawn by the test itself.
+// Tests when a tracked pose is trusted. The test renders the images itself.
 #include "edge_mcl/localization/tracking/live_localizer.h"
 
 #include <gtest/gtest.h>
 
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/localization/backend_choice.h"
+#include "edge_mcl/localization/map_factory.h"
 #include "support/scenes.h"
 #include "support/search_setup.h"
 
@@ -20,7 +20,7 @@ class LiveLocalizerTest : public testing::Test {
   const cv::Mat here_ = test::render(test::furnishedRooms(), camera_, kView, 1);
   const cv::Mat elsewhere_ = test::render(test::furnishedRooms(), camera_, kElsewhere, 1);
 
-  /// Without a search, so that what the filter does is seen alone.
+  /// Parameters without a search, so that the filter is tested alone.
   static Parameters alone() {
     Parameters params;
     params.filter.particles = 300;
@@ -54,13 +54,15 @@ class LiveLocalizerTest : public testing::Test {
   }
 };
 
+/// Only images after 0.2 m of motion are used. The images show another place, so the pose must
+/// become lost.
 TEST_F(LiveLocalizerTest, WhereFewImagesAreUsedAWrongPoseIsLostToo) {
   Parameters params = alone();
   params.tracking.update_min_d = 0.2;
   LiveLocalizer localizer = begun(params);
   EXPECT_EQ(localizer.process(input(0, here_)).state, LocalizerState::kTracking);
   bool lost = false;
-  for (int i = 1; i <= 50; ++i) {  // five images a metre
+  for (int i = 1; i <= 50; ++i) {  // five images are used per metre
     Pose odometry = Pose::Identity();
     odometry.translation().x() = 0.05 * (i % 40 < 20 ? i % 40 : 40 - i % 40);
     lost |= localizer.process(input(0.1 * i, elsewhere_, odometry)).state == LocalizerState::kLost;
@@ -68,11 +70,13 @@ TEST_F(LiveLocalizerTest, WhereFewImagesAreUsedAWrongPoseIsLostToo) {
   EXPECT_TRUE(lost);
 }
 
+/// Without motion no further image is used, so a picture of another place cannot contradict the
+/// pose.
 TEST_F(LiveLocalizerTest, AtRestItStaysAsItIs) {
   Parameters params = alone();
   params.tracking.update_min_d = 0.2;
   LiveLocalizer localizer = begun(params);
-  for (int i = 0; i < 50; ++i)  // what it would not believe is not looked at
+  for (int i = 0; i < 50; ++i)  // images of another place are not used at rest
     EXPECT_EQ(localizer.process(input(0.1 * i, i == 0 ? here_ : elsewhere_)).state,
               LocalizerState::kTracking);
 }
@@ -94,6 +98,7 @@ TEST_F(LiveLocalizerTest, ASlowCameraHasNoGaps) {
     EXPECT_EQ(localizer.process(input(5.0 * i, here_)).state, LocalizerState::kTracking) << i;
 }
 
+/// The camera sends six images within 2 s, and then none for 4 s.
 TEST_F(LiveLocalizerTest, NorHasOneThatSendsBursts) {
   LiveLocalizer localizer = begun(alone());
   double time = 0;
@@ -106,7 +111,7 @@ TEST_F(LiveLocalizerTest, NorHasOneThatSendsBursts) {
     }
     time += 4;
   }
-  EXPECT_GE(tracked, 31);  // of 36; the first pause is one
+  EXPECT_GE(tracked, 31);  // of 36; only the first pause is taken for a gap
 }
 
 TEST_F(LiveLocalizerTest, AfterAGapImagesAreLookedAtAtRestToo) {
@@ -120,7 +125,7 @@ TEST_F(LiveLocalizerTest, AfterAGapImagesAreLookedAtAtRestToo) {
     localizer.process(input(time += 0.1, here_, odometry));
   }
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
-  time += 10;  // carried elsewhere, unknown to its odometry
+  time += 10;  // the robot is carried elsewhere, and odometry does not notice it
   int tracked = 0;
   for (int i = 0; i < 40; ++i)
     tracked += localizer.process(input(time += 0.1, elsewhere_)).state == LocalizerState::kTracking;
@@ -128,6 +133,8 @@ TEST_F(LiveLocalizerTest, AfterAGapImagesAreLookedAtAtRestToo) {
   EXPECT_EQ(localizer.state(), LocalizerState::kLost);
 }
 
+/// A doubtful image makes the pose degraded. Good images at rest must make it tracking again, and
+/// the next doubtful image must not make it lost.
 TEST_F(LiveLocalizerTest, RestCostsNothing) {
   Parameters params = alone();
   params.tracking.update_min_d = 0.05;
@@ -137,7 +144,8 @@ TEST_F(LiveLocalizerTest, RestCostsNothing) {
   doubted.force_update = true;
   EXPECT_EQ(localizer.process(doubted).state, LocalizerState::kDegraded);
   double time = 0.1;
-  for (int i = 0; i < 100; ++i) localizer.process(input(time += 0.1, here_));  // at rest
+  // The robot is at rest.
+  for (int i = 0; i < 100; ++i) localizer.process(input(time += 0.1, here_));
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
   doubted.time = time + 0.1;
   EXPECT_EQ(localizer.process(doubted).state, LocalizerState::kDegraded);
@@ -150,14 +158,16 @@ TEST_F(LiveLocalizerTest, WithoutRefinementItTracks) {
   LiveResult result;
   for (int i = 0; i < 20; ++i) result = localizer.process(input(0.1 * i, here_));
   EXPECT_EQ(result.state, LocalizerState::kTracking);
-  EXPECT_GT(result.match_ratio, 0.6);  // of the true pose: all but what is seen end-on
+  // At the true pose all samples match, except on lines seen end-on.
+  EXPECT_GT(result.match_ratio, 0.6);
 }
 
+/// The image is black, and the depth image is exact.
 TEST_F(LiveLocalizerTest, InTheDarkDepthIsProofEnough) {
   Parameters params = alone();
   params.likelihood.cues = Cues::kBoth;
   LiveLocalizer localizer(std::make_shared<LocalizationMap>(test::furnishedRooms(), params));
-  localizer.setPose(around(kView, 0.35, 0.02));  // wide: has to prove itself
+  localizer.setPose(around(kView, 0.35, 0.02));  // wide, so that the pose has to be proven
   LiveInput::Depth depth;
   depth.image.camera = camera_;
   depth.image.depth = test::renderDepth(test::furnishedRooms(), camera_, kView);
@@ -178,7 +188,7 @@ TEST_F(LiveLocalizerTest, APoseThatWasJustGivenHoldsForTheSearchToo) {
   LiveLocalizer localizer(map);
   localizer.setPose(around(kView, 0.02, 0.01));
   localizer.process(input(0, here_));
-  // Carried away with the camera covered; where it is now is said before the next image.
+  // The robot is carried away with a covered camera. Its new pose is given before the next image.
   localizer.setPose(around(kView, 0.4, 0.1));
   Pose odometry = Pose::Identity();
   odometry.translation().x() = 20;
@@ -189,6 +199,7 @@ TEST_F(LiveLocalizerTest, APoseThatWasJustGivenHoldsForTheSearchToo) {
     EXPECT_LT((cluster.pose.translation() - kView.translation()).norm(), 3);
 }
 
+/// Two equal cameras double the log-likelihood. The score per line stays the same.
 TEST_F(LiveLocalizerTest, TwoCamerasThatSeeTheSameMakeNoLineWorthMore) {
   for (const LikelihoodModel model : {LikelihoodModel::kRobust, LikelihoodModel::kPaper}) {
     Parameters params;
@@ -203,9 +214,10 @@ TEST_F(LiveLocalizerTest, TwoCamerasThatSeeTheSameMakeNoLineWorthMore) {
   }
 }
 
+/// A prepared image must not use the memory of the caller, which the caller may overwrite.
 TEST_F(LiveLocalizerTest, APreparedImageIsItsOwn) {
   const LocalizationMap map(test::furnishedRooms(), Parameters());
-  // As a message's bytes are, or the buffer of a camera's driver.
+  // The memory belongs to a message or to the driver of a camera.
   cv::Mat buffer = here_.channels() == 1 ? here_.clone() : cv::Mat();
   if (buffer.empty()) cv::cvtColor(here_, buffer, cv::COLOR_BGR2GRAY);
   const cv::Mat before = buffer.clone();
@@ -215,6 +227,7 @@ TEST_F(LiveLocalizerTest, APreparedImageIsItsOwn) {
   EXPECT_EQ(cv::norm(image->edges.grey, before, cv::NORM_INF), 0);
 }
 
+/// The camera moves 0.25 m during a gap of 10 s, so its velocity is 2.5 cm/s.
 TEST_F(LiveLocalizerTest, OverAGapTheVelocityIsThatOfAllItsTime) {
   const LocalizationMap map(test::furnishedRooms(), alone());
   FilterParameters params = map.params().filter;
@@ -227,14 +240,15 @@ TEST_F(LiveLocalizerTest, OverAGapTheVelocityIsThatOfAllItsTime) {
   };
   filter.predictWithoutOdometry(0.1);
   filter.update(map, {viewOf(kView)});
-  filter.predictWithoutOdometry(1, 10);  // as far as the filter looks ahead
+  filter.predictWithoutOdometry(1, 10);  // the gap lasts 10 s, the filter predicts at most 1 s
   for (int i = 0; i < 2; ++i) filter.update(map, {viewOf(moved)});
   ASSERT_LT((filter.estimate().mean.translation() - moved.translation()).norm(), 0.03);
   filter.predictWithoutOdometry(1);
-  // 2.5 cm/s; over one second it would have been 25.
+  // At 2.5 cm/s the pose moves on by 2.5 cm. With the motion divided by 1 s it would move by 25 cm.
   EXPECT_LT((filter.estimate().mean.translation() - moved.translation()).norm(), 0.1);
 }
 
+/// With `auto` the CPU is used instead of a busy device. With `cuda` a busy device is an error.
 TEST(BackendChoice, ADeviceThatCannotBeHadIsNoReasonToStop) {
   const DeviceFactory busy = [](const auto&) -> std::unique_ptr<LikelihoodBackend> {
     throw Error("all CUDA-capable devices are busy");

@@ -9,11 +9,11 @@
 namespace edge_mcl {
 namespace {
 
-/// What a detector would do that takes the right half of the room for movable: pixels left unused
-/// in every image, and the position error of the last ones.
+/// Result of a flight on which a wrong detector masks the right half of every image: the number of
+/// ignored pixels of every image, and the largest position error.
 struct Flown {
   std::vector<int> ignored;
-  std::vector<LocalizerState> before;  ///< each image
+  std::vector<LocalizerState> before;  ///< before each image
   double worst = 0;                    ///< m, over the second half
 };
 
@@ -51,12 +51,13 @@ Flown fly(bool lift_mask) {
   return flown;
 }
 
+/// The flight is run with and without lifting. The ignored pixels are compared image by image.
 TEST(MaskLifting, BeginsWithTrackingAndOnlyWhereItIsWanted) {
   const Flown with = fly(true), without = fly(false);
   size_t tracked = 0, lifted = 0;
   for (size_t i = 0; i < with.ignored.size(); ++i) {
     tracked += with.before[i] == LocalizerState::kTracking ? 1 : 0;
-    if (tracked > 3) {  // three images have to agree first
+    if (tracked > 3) {  // three images must show a line before the mask is lifted
       lifted += with.ignored[i] < without.ignored[i] ? 1 : 0;
     } else {
       EXPECT_EQ(with.ignored[i], without.ignored[i]) << "image " << i;
@@ -64,12 +65,12 @@ TEST(MaskLifting, BeginsWithTrackingAndOnlyWhereItIsWanted) {
   }
   EXPECT_GE(tracked, 20u);
   EXPECT_EQ(lifted, tracked - 3);
-  // Twice as much of the room in use does no harm.
+  // Lifting brings up to twice as much of the room into use. The position errors stay small.
   EXPECT_LT(with.worst, 0.05);
   EXPECT_LT(without.worst, 0.10);
 }
 
-/// Tracks a flight from its true start.
+/// A flight that is tracked from its true start.
 class TrackedFlight {
  public:
   TrackedFlight() {
@@ -78,7 +79,7 @@ class TrackedFlight {
     start.covariance.diagonal().setConstant(1e-4);
     localizer.setPose(start);
   }
-  /// The next image, its mask without anything in it.
+  /// The next image, with an empty mask.
   LiveInput next() {
     RecordedFrame frame;
     simulator_.next(&frame);
@@ -101,10 +102,10 @@ class TrackedFlight {
   LiveLocalizer localizer{map};
 };
 
-// Lines are known by their number in the map; in another map that is another line.
+/// Lines are known by their numbers in the map. In another map the same number is another line.
 TEST(MaskLifting, BeginsAnewInAnotherMap) {
   TrackedFlight flight;
-  std::vector<int> shares;  // of the mask that is in use, per mille of what it would be
+  std::vector<int> shares;  // ignored pixels, per mille of those without lifting
   for (int i = 0; i < 10; ++i) {
     if (i == 8) flight.localizer.setMap(flight.map);
     const LiveInput input = flight.next();
@@ -120,7 +121,7 @@ TEST(MaskLifting, BeginsAnewInAnotherMap) {
   EXPECT_EQ(shares[8], 1000);
 }
 
-// An image that cannot be used is told by its own name, masked or not.
+/// An image that cannot be used is reported with its name, with or without a mask.
 TEST(MaskLifting, LeavesABadImageToBeReported) {
   TrackedFlight flight;
   for (int i = 0; i < 6; ++i) flight.localizer.process(flight.next());

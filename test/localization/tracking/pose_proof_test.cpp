@@ -8,7 +8,8 @@
 namespace edge_mcl {
 namespace {
 
-/// A pose that is followed at ten images a second.
+/// A pose that is tracked at ten images per second. The expected times follow from the constants of
+/// pose_proof.cpp.
 class Followed : public testing::Test {
  protected:
   PoseGaussian at(double x) const {
@@ -17,13 +18,14 @@ class Followed : public testing::Test {
     pose.covariance = Matrix6::Identity() * 1e-4;
     return pose;
   }
-  /// An image 0.1 s later; the robot stands still by its odometry.
+  /// Adds an image 0.1 s later. By odometry the robot stands still. @return whether the pose is
+  /// trusted
   bool image(double x, bool confirmed = true, double lines = 20, double ratio = 0.9) {
     proof_.move(Pose::Identity(), odometryNoise(Parameters().filter, Pose::Identity(), 0.1));
     time_ += 0.1;
     return proof_.weigh({time_, true, confirmed, ratio, lines}, at(x));
   }
-  /// Images until it is trusted again, at most 100.
+  /// Adds images until the pose is trusted, at most 100. @return their number
   int imagesUntilTrusted(double x, double lines = 20, double ratio = 0.9) {
     int count = 1;
     while (!image(x, true, lines, ratio) && count < 100) ++count;
@@ -36,14 +38,14 @@ class Followed : public testing::Test {
 
 TEST_F(Followed, EveryImageThatFitsIsEnough) {
   proof_.begin(false);
-  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0.002 * i));  // 2 cm/s
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0.002 * i));  // the pose moves at 2 cm/s
   EXPECT_FALSE(image(0.04, false));
   EXPECT_TRUE(image(0.04));
 }
 
 TEST_F(Followed, ABadStartTakesASecond) {
   proof_.begin(true);
-  // Ten intervals of 0.1 s, and one for rounding.
+  // Ten intervals of 0.1 s have eleven images. One more or less is rounding.
   EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
   EXPECT_TRUE(image(0));
 }
@@ -56,6 +58,8 @@ TEST_F(Followed, WhatFittedBeforeAGapDoesNotCount) {
   EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
 }
 
+/// Images without lines have a match ratio of 1. They must not raise the usual match ratio of
+/// lines.
 TEST_F(Followed, ImagesJudgedByDepthAloneMakeLinesNoLessUsual) {
   proof_.begin(false);
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(image(0, true, 4, 0.7));
@@ -63,6 +67,7 @@ TEST_F(Followed, ImagesJudgedByDepthAloneMakeLinesNoLessUsual) {
   EXPECT_TRUE(image(0, true, 4, 0.7));
 }
 
+/// After two images that do not fit, one image that fits is not enough.
 TEST_F(Followed, AfterTwoDoubtsOneImageIsChance) {
   proof_.begin(false);
   EXPECT_TRUE(image(0));
@@ -70,6 +75,7 @@ TEST_F(Followed, AfterTwoDoubtsOneImageIsChance) {
   EXPECT_NEAR(imagesUntilTrusted(0), 11, 1);
 }
 
+/// A proof needs 6 lines, or 15 lines when the robot may be anywhere.
 TEST_F(Followed, WhereItMayBeAnywhereFewLinesProveLittle) {
   proof_.begin(false);
   proof_.require(true);
@@ -79,8 +85,8 @@ TEST_F(Followed, WhereItMayBeAnywhereFewLinesProveLittle) {
   EXPECT_NEAR(imagesUntilTrusted(0, 6), 11, 1);
   proof_.begin(false);
   proof_.require(true);
-  EXPECT_NEAR(imagesUntilTrusted(0, 6), 63, 2);  // (15 / 6)^2 times a second
-  // Proven once, it is about known again.
+  EXPECT_NEAR(imagesUntilTrusted(0, 6), 63, 2);  // (15 / 6)^2 times as long
+  // Once proven, the pose is about known. So 6 lines are enough again.
   for (int i = 0; i < 2; ++i) EXPECT_FALSE(image(0, false));
   EXPECT_NEAR(imagesUntilTrusted(0, 6), 11, 1);
 }
@@ -89,15 +95,16 @@ TEST_F(Followed, APoseWhereOdometryDidNotGoTakesASecond) {
   proof_.begin(false);
   EXPECT_TRUE(image(0));
   EXPECT_FALSE(image(0, false));
-  // One image spoke against it, the next fits, but 1 m away.
+  // One image contradicts the pose. The next image fits, but 1 m away.
   EXPECT_NEAR(imagesUntilTrusted(1), 11, 1);
   EXPECT_TRUE(image(1));
-  // Without an image between, too.
+  // This also holds without a contradicting image in between.
   EXPECT_NEAR(imagesUntilTrusted(3), 11, 1);
 }
 
 TEST_F(Followed, AfterADoubtLessIsSuspect) {
-  // 0.2 m are 4 standard deviations of 5 cm: 16 of chi-square, between both limits.
+  // 0.2 m are 4 standard deviations of 5 cm. The squared distance of 16 lies between the two limits
+  // of chi-square: the limit after a doubt and the usual limit.
   proof_.begin(false);
   EXPECT_TRUE(image(0));
   EXPECT_TRUE(image(0.2));
@@ -106,7 +113,8 @@ TEST_F(Followed, AfterADoubtLessIsSuspect) {
 }
 
 TEST_F(Followed, APoseThatSlidesAgainstOdometryIsNotTrustedForLong) {
-  // 8 cm per image, while the image leaves it uncertain by 20 cm: each step alone is likely.
+  // The pose moves by 8 cm per image, and each image leaves an uncertainty of 20 cm. So each step
+  // alone is likely.
   proof_.begin(false);
   PoseGaussian pose = at(0);
   EXPECT_TRUE(image(0));
@@ -118,18 +126,19 @@ TEST_F(Followed, APoseThatSlidesAgainstOdometryIsNotTrustedForLong) {
     pose.covariance(0, 0) = 0.04;
     trusted += proof_.weigh({time_, true, true, 0.9, 20}, pose) ? 1 : 0;
   }
-  // From the first pose, of 1 cm, with 5 cm of tolerance and 1 cm of odometry per image, 0.35 m
-  // are farther than 40 of chi-square: five steps.
+  // The first pose has a standard deviation of 1 cm, the tolerance is 5 cm, and odometry adds 1 cm
+  // per image. So the limit of 40 of chi-square is exceeded at 0.35 m, by the fifth step.
   EXPECT_GE(trusted, 1);
   EXPECT_LE(trusted, 5);
 }
 
+/// The match ratio falls from 0.95 to 0.6. With 4 lines the pose needs proof again.
 TEST_F(Followed, WhenSuddenlyLessIsSeenOfFewLinesItTakesLonger) {
   proof_.begin(false);
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(image(0, true, 4, 0.95));
   EXPECT_TRUE(image(0, true, 4, 0.85));
   EXPECT_FALSE(image(0, true, 4, 0.6));
-  // Of many lines it is no surprise.
+  // With many lines a lower match ratio is no surprise.
   proof_.begin(false);
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(image(0, true, 20, 0.95));
   EXPECT_TRUE(image(0, true, 20, 0.6));
@@ -146,10 +155,10 @@ TEST_F(Followed, ItMayMoveAsOdometrySays) {
 
 TEST_F(Followed, ItTakesLongerWithFewLinesAndWhereLessOfThemIsSeen) {
   proof_.begin(true);
-  // A third of six lines: three times as long.
+  // With 2 instead of 6 lines the proof takes three times as long.
   EXPECT_NEAR(imagesUntilTrusted(0, 2), 31, 1);
   proof_.begin(true);
-  // Half of the 0.8 that are enough: four times as long.
+  // A match ratio of 0.4 is half of the required 0.8. The proof takes four times as long.
   EXPECT_NEAR(imagesUntilTrusted(0, 20, 0.4), 41, 1);
 }
 

@@ -1,4 +1,4 @@
-// The timeline of a recording.
+// Tests the timeline of a recording.
 #include "edge_mcl/viewer/moments/recorded_player.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace edge_mcl {
 namespace {
 
-/// A simulated flight as a recording, a tenth as dense.
+/// A simulated flight as a recording, with another time between images.
 class SimulatedInput : public RecordedInput {
  public:
   explicit SimulatedInput(size_t count, double spacing = 0.1)
@@ -66,10 +66,11 @@ std::unique_ptr<RecordedView> recordedFlight(size_t count, const Eigen::Vector3d
       params);
   std::optional<PoseGaussian> start = input->initialPose();
   start->mean.pretranslate(off);
-  return std::make_unique<RecordedView>(map, std::move(input), start, std::nullopt, 50);
+  return std::make_unique<RecordedView>(map, std::move(input), RecordedStart{start, std::nullopt},
+                                        50);
 }
 
-/// Until a condition holds or ten seconds are over; polls meanwhile.
+/// Polls until a condition holds, at most ten seconds. @return whether it holds
 bool pollUntil(RecordedPlayer* player, ViewMoment* moment, const std::function<bool()>& done) {
   for (int i = 0; i < 2000; ++i) {
     HistoryView history;
@@ -106,7 +107,8 @@ TEST(RecordedPlayer, PlaysStepsAndGoesBack) {
 }
 
 TEST(RecordedPlayer, JumpsToWhereItIsLost) {
-  // Two metres off and told that it is sure: lost within a few seconds.
+  // The initial pose is wrong by (5, 1.5, 0) m with a small covariance. So the robot is lost within
+  // a few seconds.
   RecordedPlayer player(recordedFlight(50, {5, 1.5, 0}), false);
   player.play(false);
   player.findLost();
@@ -118,12 +120,13 @@ TEST(RecordedPlayer, JumpsToWhereItIsLost) {
   player.seek(at - 1);
   ASSERT_TRUE(player.poll(&moment, &history, 30));
   EXPECT_NE(moment.state, LocalizerState::kLost);
-  // No further one: to the end.
+  // There is no further such moment, so the player goes to the end.
   player.seek(at);
   player.findLost();
   ASSERT_TRUE(pollUntil(&player, &moment, [&] { return player.timeline()->position == 49; }));
 }
 
+/// Three loops show the six stored moments.
 TEST(RecordedPlayer, LoopsWithoutLocalizingAgain) {
   RecordedPlayer player(recordedFlight(6, Eigen::Vector3d::Zero(), 0.03), true);
   player.setSpeed(2);
@@ -163,7 +166,7 @@ TEST(MomentStore, GivesBackWhatItTookWithinItsMemory) {
   EXPECT_TRUE(oldest.image.empty());
   EXPECT_TRUE(oldest.has_pose);
   EXPECT_THROW(store.get(200), Error);
-  // Of 16 bits the upper ones.
+  // Of an image with 16 bits the upper 8 bits are stored.
   scene.moment.image.convertTo(m.image, CV_16U, 256);
   store.add(m);
   cv::absdiff(store.get(200).image, scene.moment.image, difference);

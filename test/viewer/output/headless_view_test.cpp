@@ -1,4 +1,5 @@
-// The viewer's picture: what must be where, and that it is drawn whatever is missing.
+// Tests the picture of the viewer: things must be drawn in their places, and the picture must be
+// drawn even when some of its data are missing.
 #include "edge_mcl/viewer/output/headless_view.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +36,8 @@ class HeadlessPicture : public testing::Test {
     return picture;
   }
 
-  /// Where a point is in the picture of space, from the camera's angles alone.
+  /// Projects a point into the picture of space. It uses only the angles of the camera, so it is
+  /// independent of the viewer. @return pixel
   cv::Point inSpace(const Eigen::Vector3d& point, const cv::Size& size) const {
     const double azimuth = static_cast<double>(camera_.getAzimuthDegrees()) * M_PI / 180;
     const double elevation = static_cast<double>(camera_.getElevationDegrees()) * M_PI / 180;
@@ -57,6 +59,7 @@ class HeadlessPicture : public testing::Test {
   mrpt::opengl::CCamera camera_;
 };
 
+/// The truth is the projection of the visible samples by the camera model.
 TEST_F(HeadlessPicture, ModelEdgesLieOnTheProjectedModel) {
   const ViewMoment& m = scene_.moment;
   const cv::Mat picture = draw(m);
@@ -77,9 +80,9 @@ TEST_F(HeadlessPicture, ModelEdgesLieOnTheProjectedModel) {
       if (!m.camera.project(p, &pixel) || !m.camera.contains(pixel)) continue;
       const cv::Point at(fit.area.x + cvRound((pixel.x() + 0.5) * fit.scale - 0.5),
                          fit.area.y + cvRound((pixel.y() + 0.5) * fit.scale - 0.5));
-      // A sample stands for half a step to either side: that much may be green, too.
+      // A sample covers half a step to either side. Pixels this near may be green, too.
       cv::circle(near_model, at, 14, cv::Scalar(255), cv::FILLED);
-      constexpr int kMargin = 30;  // of titles and of the image's border
+      constexpr int kMargin = 30;  // space for titles and the border of the image
       if (at.y < kMargin || at.x < kMargin || at.x > panel.cols - kMargin ||
           at.y > panel.rows - kMargin)
         continue;
@@ -87,9 +90,9 @@ TEST_F(HeadlessPicture, ModelEdgesLieOnTheProjectedModel) {
       drawn += test::hasColorNear(panel, at, {60, 200, 30}, 2, 90) ? 1 : 0;
     }
   ASSERT_GT(samples, 100);
-  // Red normals and neighbouring lines cover a few.
+  // Red normals and neighbouring lines cover a few samples.
   EXPECT_GT(drawn, 0.95 * samples);
-  // And nothing green is elsewhere.
+  // Elsewhere hardly anything may be green.
   int green = 0, astray = 0;
   for (int y = 30; y < panel.rows; ++y)
     for (int x = 0; x < panel.cols; ++x)
@@ -101,6 +104,7 @@ TEST_F(HeadlessPicture, ModelEdgesLieOnTheProjectedModel) {
   EXPECT_LT(astray, 0.02 * green);
 }
 
+/// The truth is inSpace().
 TEST_F(HeadlessPicture, TheCameraIsWhereItIsInSpace) {
   ViewMoment m = scene_.moment;
   m.truth.reset();
@@ -109,7 +113,7 @@ TEST_F(HeadlessPicture, TheCameraIsWhereItIsInSpace) {
   const cv::Mat space = picture(layout.space);
   const Eigen::Vector3d eye = m.estimate.mean.translation();
   EXPECT_TRUE(test::hasColorNear(space, inSpace(eye, space.size()), view_colors::kEstimate, 3, 60));
-  // The lines of its view, half-way to the corners of its picture.
+  // These points lie on the lines of the view, half-way to the corners of its picture.
   int seen = 0;
   for (const double u : {0.0, static_cast<double>(m.camera.width)})
     for (const double v : {0.0, static_cast<double>(m.camera.height)}) {
@@ -187,6 +191,8 @@ TEST_F(HeadlessPicture, IsDrawnWhateverIsMissing) {
   EXPECT_TRUE(looksRight(m)) << "a grey image";
 }
 
+/// The colour image and its versions with alpha and with 16 bits must look alike. The grey image
+/// and its version with 16 bits must look alike.
 TEST_F(HeadlessPicture, ImagesOfAnyKindLookAlike) {
   cv::Mat grey, with_alpha, deep, deep_grey;
   cv::cvtColor(scene_.moment.image, grey, cv::COLOR_BGR2GRAY);
@@ -210,7 +216,7 @@ TEST_F(HeadlessPicture, ImagesOfAnyKindLookAlike) {
     EXPECT_LT(cv::norm(panels(with_alpha, with_mask), in_color, cv::NORM_L1), pixels);
     EXPECT_LT(cv::norm(panels(deep, with_mask), in_color, cv::NORM_L1), pixels);
     EXPECT_LT(cv::norm(panels(deep_grey, with_mask), in_grey, cv::NORM_L1), pixels);
-    // What the localizer does not take is no reason to end.
+    // Images that the localizer does not accept must not end the viewer.
     EXPECT_NO_THROW(panels(cv::Mat(grey.size(), CV_32F, cv::Scalar(1)), with_mask));
     EXPECT_NO_THROW(panels(cv::Mat(grey.size(), CV_8UC2, cv::Scalar(1, 1)), with_mask));
   }
@@ -250,6 +256,7 @@ TEST_F(HeadlessPicture, TheModelMayComeLater) {
   EXPECT_GT(cv::norm(space(), without, cv::NORM_L1), 5.0 * static_cast<double>(without.total()));
 }
 
+/// The switch model_edges removes the green model edges.
 TEST_F(HeadlessPicture, SwitchesLeaveThingsOut) {
   const auto greens = [&] {
     const cv::Mat picture = draw(scene_.moment);
@@ -265,7 +272,8 @@ TEST_F(HeadlessPicture, SwitchesLeaveThingsOut) {
   EXPECT_LT(greens(), 20);
 }
 
-/// As where no driver is installed. Ends the process, with 7 when all is as it should be.
+/// Draws as on a computer without a graphics driver. Ends the process with 7 when the error is one
+/// line.
 void drawWithoutEgl() {
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
   try {
@@ -278,11 +286,12 @@ void drawWithoutEgl() {
 }
 
 TEST(HeadlessViewDeathTest, SaysInOneLineThatNothingCanBeRendered) {
-  // EGL looks for drivers once a process: this one has none yet.
+  // EGL searches for drivers once per process. So the test needs a new process.
   testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT(drawWithoutEgl(), testing::ExitedWithCode(7), "nothing can be rendered here");
 }
 
+/// Green pixels of the overlay must be green at their place in the enlarged overlay.
 TEST(Overlay, EnlargedIsTheSameAtItsPlace) {
   test::SimulatedMoment scene;
   const ViewMoment& m = scene.moment;

@@ -1,4 +1,4 @@
-// Videos and pictures.
+// Tests videos and pictures that the viewer writes.
 #include "edge_mcl/viewer/output/view_recorder.h"
 
 #include <gtest/gtest.h>
@@ -89,7 +89,7 @@ TEST_F(Recorder, SaysWhatCannotBeWritten) {
   EXPECT_THROW(make(o), ParameterError);
 }
 
-/// A limit on the size of files stands for a disk that is full.
+/// A limit on the size of files acts as a full disk.
 TEST_F(Recorder, AFullDiskIsSaid) {
   for (const char* name : {"full.mp4", "full.avi"}) {
     RecorderOptions options;
@@ -115,6 +115,7 @@ TEST_F(Recorder, AFullDiskIsSaid) {
   }
 }
 
+/// A video of 25 pictures per second must last as long as the 8 s that were shown.
 TEST(VideoPace, AVideoIsAsLongAsItTook) {
   for (const double shown : {3.0, 25.0, 60.0}) {  // pictures per second
     VideoPace pace(25, 100);

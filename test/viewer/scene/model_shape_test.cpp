@@ -1,4 +1,4 @@
-// The model as it is drawn: cut at a height, and clicked on.
+// Tests the drawn model: the cut at a height, and clicks on it.
 #include "edge_mcl/viewer/scene/model_shape.h"
 
 #include <gtest/gtest.h>
@@ -38,12 +38,13 @@ double lengthOf(const ModelShape& shape) {
   return length;
 }
 
+/// The truth is the areas and lengths of a box of 2 x 3 x 1 m.
 TEST(ModelShape, IsCutAtTheHeight) {
   const Box box;
   const ModelShape all = shapeBelow(box.mesh, box.edges, 5);
   EXPECT_NEAR(areaOf(all), 2 * (2 * 3 + 2 * 1 + 3 * 1), 1e-5);
   EXPECT_NEAR(lengthOf(all), 4 * (2 + 3 + 1), 1e-5);
-  // The bottom and 0.4 m of the sides.
+  // The bottom and 0.4 m of the sides remain.
   const ModelShape low = shapeBelow(box.mesh, box.edges, 0.4F);
   EXPECT_NEAR(areaOf(low), 2 * 3 + 0.4 * 2 * (2 + 3), 1e-5);
   EXPECT_NEAR(lengthOf(low), 2 * (2 + 3) + 4 * 0.4, 1e-5);
@@ -56,20 +57,20 @@ TEST(ModelShape, ARayMeetsWhatIsNearest) {
   const Box box;
   const ModelShape shape = shapeBelow(box.mesh, box.edges, 0.4F);
   Eigen::Vector3f hit;
-  // Through the open top onto the bottom.
+  // This ray goes through the open top to the bottom.
   ASSERT_TRUE(firstHit(shape, {0.5F, 1, 4}, {0, 0, -2}, &hit));
   EXPECT_LT((hit - Eigen::Vector3f(0.5F, 1, 0)).norm(), 1e-5F);
-  // From the side, at the near wall.
+  // This ray comes from the side and meets the near wall.
   ASSERT_TRUE(firstHit(shape, {5, 1, 0.2F}, {-1, 0, 0}, &hit));
   EXPECT_LT((hit - Eigen::Vector3f(2, 1, 0.2F)).norm(), 1e-5F);
-  // Above what was cut away, and away from it.
+  // These rays pass above the remaining part and away from it.
   EXPECT_FALSE(firstHit(shape, {5, 1, 0.7F}, {-1, 0, 0}, &hit));
   EXPECT_FALSE(firstHit(shape, {5, 1, 0.2F}, {1, 0, 0}, &hit));
 }
 
 TEST(PosePick, HeadsWhereTheMouseWasDrawn) {
   ViewMoment moment;
-  moment.T_base_camera = opticalOnBody();  // looks along the base's x
+  moment.T_base_camera = opticalOnBody();  // the camera looks along the x axis of the base
   const PoseGaussian east = poseFromPick(moment, {1, 2, 0}, {3, 2, 0});
   EXPECT_LT((east.mean.translation() - Eigen::Vector3d(1, 2, 1.2)).norm(), 1e-9);
   EXPECT_LT((east.mean.linear() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitX()).norm(),
@@ -85,7 +86,7 @@ TEST(PosePick, HeadsWhereTheMouseWasDrawn) {
   EXPECT_LT((kept.mean.linear() - moment.estimate.mean.linear()).norm(), 1e-9);
 }
 
-/// In a sequence directory the base is the camera's optical frame.
+/// The base may have any axes. In a sequence directory the base is the optical frame of the camera.
 TEST(PosePick, TheCameraLooksAlongTheGroundWhateverAxesItsBaseHas) {
   ViewMoment moment;
   moment.has_camera = true;
@@ -97,7 +98,7 @@ TEST(PosePick, TheCameraLooksAlongTheGroundWhateverAxesItsBaseHas) {
     EXPECT_LT((camera.col(2) - Eigen::Vector3d::UnitY()).norm(), 1e-9) << "where it looks";
     EXPECT_LT((camera.col(1) + Eigen::Vector3d::UnitZ()).norm(), 1e-9) << "upright";
   }
-  // A camera that looks down on a base that is level.
+  // The camera looks down, and its base is level.
   moment.T_base_camera.linear() =
       Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
   const PoseGaussian level = poseFromPick(moment, {1, 2, 0}, {1, 2, 0});

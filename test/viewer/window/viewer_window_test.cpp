@@ -1,4 +1,4 @@
-// The window shows what the headless picture shows. Needs a display.
+// Compares the window with the headless picture. Needs a display.
 #include "edge_mcl/viewer/window/viewer_window.h"
 
 #include <gtest/gtest.h>
@@ -63,7 +63,8 @@ TEST(ViewerWindow, ShowsWhatTheHeadlessPictureShows) {
   HeadlessView headless(scene.map.get(), params);
   const cv::Mat drawn = headless.draw(scene.moment, source.historyView(params.strip_seconds));
   const ViewLayout layout = layoutOf(shown.size(), scene.moment.image.size());
-  // Panels go through the graphics card as textures: all but equal, unless they lie elsewhere.
+  // The graphics card draws panels as textures. So they are nearly equal, unless they lie
+  // elsewhere. A picture that is flipped must differ more.
   for (const cv::Rect& panel : {layout.edges, layout.masks, layout.strips, layout.legend}) {
     EXPECT_LT(meanDifference(shown(panel), drawn(panel)), 6) << panel;
     const cv::Mat flipped = [&] {
