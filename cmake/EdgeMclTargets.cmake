@@ -39,6 +39,27 @@ function(edge_mcl_library target room)
     VERSION ${PROJECT_VERSION} SOVERSION 0 INSTALL_RPATH "$ORIGIN")
   install(TARGETS ${target} EXPORT edge_mclTargets
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/"
-    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/edge_mcl/${room}" FILES_MATCHING PATTERN "*.h")
+  # A header whose first line says "Internal." is not installed.
+  file(GLOB_RECURSE headers RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}" CONFIGURE_DEPENDS "*.h")
+  foreach(header ${headers})
+    file(STRINGS "${header}" first_line LIMIT_COUNT 1)
+    if(NOT first_line MATCHES "Internal\\.")
+      get_filename_component(folder "${header}" DIRECTORY)
+      install(FILES "${header}"
+        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/edge_mcl/${room}/${folder}")
+    endif()
+  endforeach()
 endfunction()
+
+# Headers of other libraries take most of the compiler's time, so each target reads them once.
+function(edge_mcl_precompile target)
+  if(NOT EDGE_MCL_PCH OR EDGE_MCL_SANITIZE OR EDGE_MCL_FUZZ)
+    return()
+  endif()
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -fpch-preprocess)  # ccache needs it
+  endif()
+endfunction()
+set(EDGE_MCL_PCH_CORE <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <sstream> <string>
+  <vector> <Eigen/Cholesky> <Eigen/Eigenvalues> <Eigen/Geometry> <opencv2/core.hpp> <tbb/parallel_for.h>)

@@ -15,9 +15,9 @@ LocalizationMap::LocalizationMap(const std::string& model_file, const Parameters
   mesh_ = std::make_unique<MeshModel>(loadMesh(model_file, params_.map));
   build(model_file);
   if (edges_->lines.empty() && usesImages())
-    throw InputError(
-        model_file +
-        ": no feature edge in it (map.crease_angle_deg, map.boundaries, map.contours)");
+    throw InputError(model_file +
+                     ": the model has no feature edges (see map.crease_angle_deg, map.boundaries, "
+                     "map.contours)");
 }
 
 LocalizationMap::LocalizationMap(MeshModel mesh, const Parameters& params) : params_(params) {
@@ -66,7 +66,8 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
   auto prepared = std::make_shared<PreparedImage>();
   const auto t0 = Clock::now();
   cv::Mat grey = toGrey(image, origin);
-  // It is kept, and may be read by another thread when the caller has long reused or freed his.
+  // The image is copied, because it is kept and may be read by another thread after the caller has
+  // reused or freed its memory.
   if (grey.data == image.data) grey = grey.clone();
   const cv::Mat ignore = ignoredPixels(mask, grey.size(), params_.image, origin);
   LikelihoodFrame& frame =
@@ -112,7 +113,7 @@ uint32_t LocalizationMap::thinningFor(const CameraView& view, const Pose& base_p
   const Pose camera_from_map = camera_pose.inverse();
   const CameraModel& camera = view.image->frame.camera;
   const auto set = visibility_->cached(visibility_->cellOf(camera_pose.translation()));
-  size_t count = 0;  // estimated from the middles of the segments
+  size_t count = 0;  // estimated: a segment counts when its centre is in the image
   for (const VisibleSet::Segment& segment : set->segments) {
     Eigen::Vector2d pixel;
     if (camera.project(camera_from_map * set->edgeSegment(segment).centre.cast<double>(), &pixel) &&

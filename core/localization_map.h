@@ -1,4 +1,5 @@
-/// A model with all that is needed to score camera poses in it: the front door of core/.
+/// A 3D model with everything that is needed to score camera poses in it. LocalizationMap is the
+/// entry point of core/.
 #pragma once
 
 #include <memory>
@@ -21,34 +22,43 @@
 
 namespace edge_mcl {
 
-/// Durations of the stages of one image, milliseconds.
+/// Durations of the stages in which one image is prepared, milliseconds. Field and table are 0 when
+/// the backend makes its own tables.
 struct StageTimes {
   double edges = 0, field = 0, table = 0;
 };
 
-/// A camera image, ready to be compared with poses. Immutable and shareable.
+/// A camera image that is ready to be compared with poses. It is immutable and can be shared.
 struct PreparedImage {
   EdgeImage edges;
-  EdgePixels pixels;  ///< of the edges
+  EdgePixels pixels;  ///< edge pixels of `edges`
   LikelihoodFrame frame;
   StageTimes times;
 };
 
-/// What a camera saw and where it sits on the robot. Image and depth are of the same optical frame;
-/// either may be null.
+/// Data of one camera at one moment, and the pose of the camera on the robot. Image and depth image
+/// belong to the same optical frame. Either may be null.
 struct CameraView {
   std::shared_ptr<const PreparedImage> image;
-  Pose T_base_camera = Pose::Identity();
-  uint32_t thinning = 1;  ///< see LikelihoodFrame
+  Pose T_base_camera = Pose::Identity();  ///< camera pose in the base frame (extrinsics)
+  uint32_t thinning = 1;                  ///< see LikelihoodFrame
   std::shared_ptr<const DepthPoints> depth = nullptr;
-  uint32_t depth_sensor = 0;  ///< the same for all images of a sensor: its bias is learnt
+  /// Equal for all images of one sensor, because the filter learns the bias of every sensor.
+  uint32_t depth_sensor = 0;
 };
 
+/// Holds a model, its feature edges, its visibility and a likelihood backend. It prepares images
+/// and depth images, and it scores and refines poses.
 class LocalizationMap {
  public:
-  /// Loads and prepares a model file. @throws InputError, ParameterError
+  /// Loads a model file and prepares it.
+  /// @throws InputError when the file cannot be used, or when the model has no feature edges (with
+  ///   images) or no faces (with depth images).
+  /// @throws ParameterError when a parameter is illegal.
   LocalizationMap(const std::string& model_file, const Parameters& params);
-  /// From a mesh in memory.
+  /// Prepares a mesh in memory. Feature edges are not required here.
+  /// @throws InputError when depth images are used and the mesh has no faces.
+  /// @throws ParameterError when a parameter is illegal.
   LocalizationMap(MeshModel mesh, const Parameters& params);
 
   const Parameters& params() const { return params_; }
@@ -57,44 +67,55 @@ class LocalizationMap {
   const Visibility& visibility() const { return *visibility_; }
   std::shared_ptr<const Visibility> sharedVisibility() const { return visibility_; }
   const LikelihoodBackend& backend() const { return *backend_; }
-  /// Replaces the CPU backend. @param backend over sharedVisibility().
+  /// Replaces the CPU backend. @param backend must use sharedVisibility().
   void setBackend(std::unique_ptr<LikelihoodBackend> backend) { backend_ = std::move(backend); }
 
-  /// @param mask empty for none. @throws InputError on a size that is not the camera's.
+  /// Finds the edges of an image and makes its score table. The table is left out when the backend
+  /// makes its own (LikelihoodBackend::makesTables()).
+  /// @param image see toGrey().
+  /// @param mask CV_8U, non-zero: ignored; empty: no mask.
+  /// @param origin named in errors.
+  /// @throws InputError when the size or type of image or mask is wrong, or the image is too large
+  ///   for a table.
   std::shared_ptr<const PreparedImage> prepare(const CameraModel& camera, const cv::Mat& image,
                                                const cv::Mat& mask,
                                                const std::string& origin) const;
 
   bool usesImages() const { return params_.likelihood.cues != Cues::kDepth; }
   bool usesDepth() const { return depth_ != nullptr; }
-  /// Null unless likelihood.cues asks for depth.
+  /// Likelihood of depth images. Null unless `likelihood.cues` asks for depth.
   const DepthLikelihood* depth() const { return depth_.get(); }
   std::shared_ptr<const DepthLikelihood> sharedDepth() const { return depth_; }
-  /// @throws InputError, see makeDepthPoints.
+  /// Makes points of a depth image. @throws InputError, see makeDepthPoints().
   std::shared_ptr<const DepthPoints> prepareDepth(const DepthImage& image) const;
 
-  /// Where the camera can be (search.clearance, search.enclosure). Made with the first call. Safe
-  /// to call from several threads.
+  /// Space in which the camera can be (`search.clearance`, `search.enclosure`). The first call
+  /// computes it. Safe to call from several threads.
   std::shared_ptr<const FreeSpace> freeSpace() const;
-  /// Made with the first call, which takes seconds. Safe to call from several threads.
+  /// Places from which a search starts. The first call computes them, which takes seconds. Safe to
+  /// call from several threads.
   /// @throws InputError, see SearchPlaces.
   std::shared_ptr<const SearchPlaces> searchPlaces() const;
 
-  /// The thinning at which about `most` samples are inside the image at this pose of the base;
-  /// 0 = all.
+  /// Thinning at which about `most` visible samples are inside the image. It is 1 without an image.
+  /// @param base_pose T_map_base.
+  /// @param most 0 = all samples.
   uint32_t thinningFor(const CameraView& view, const Pose& base_pose, size_t most) const;
 
-  /// Scores T_map_base poses: sums over the views.
+  /// Scores T_map_base poses. Every score is the sum over all views.
   std::vector<PoseScore> evaluate(const std::vector<CameraView>& views,
                                   const std::vector<Pose>& base_poses) const;
 
-  /// Refines T_map_base; visibility is taken at the start.
+  /// Refines T_map_base. The visible samples are those of the start pose.
+  /// @param prior Gaussian that pulls the result to its mean, if any.
   RefinementResult refine(const std::vector<CameraView>& views, const Pose& start,
                           const std::optional<PoseGaussian>& prior) const;
-  /// The same, cheaper and less exact: refinement.start_iterations and start_samples.
+  /// Refines T_map_base with less effort and less accuracy: with `refinement.start_iterations`
+  /// steps and about `refinement.start_samples` samples per camera.
   RefinementResult refineRoughly(const std::vector<CameraView>& views, const Pose& start,
                                  const std::optional<PoseGaussian>& prior) const;
-  /// Only counts what is visible and matched at a pose, as refine() does at its last step.
+  /// Counts the samples that are used and matched at a pose, with the search length of the last
+  /// step of refine(). The pose of the result has moved by one step.
   RefinementResult match(const std::vector<CameraView>& views, const Pose& pose) const {
     return refine(views, pose, std::nullopt, {1, params_.refinement.max_samples});
   }
@@ -105,7 +126,7 @@ class LocalizationMap {
                           const std::optional<PoseGaussian>& prior,
                           const RefinementEffort& effort) const;
   Parameters params_;
-  // Behind pointers: Visibility refers to mesh and edges, and the map can be moved.
+  // Pointers keep mesh and edges in place when the map is moved, because Visibility refers to them.
   std::unique_ptr<MeshModel> mesh_;
   std::unique_ptr<EdgeModel> edges_;
   std::shared_ptr<Visibility> visibility_;

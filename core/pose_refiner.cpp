@@ -18,7 +18,7 @@ bool pixelJacobian(const CameraModel& camera, const Eigen::Vector3d& point_camer
   return true;
 }
 
-/// Samples of one view that a refinement uses, picked once, at its start.
+/// Samples of one camera that a refinement uses. They are chosen once, at the start pose.
 struct PoseRefiner::ChosenSamples {
   struct Sample {
     Eigen::Vector3d point, tangent;  // map frame
@@ -26,8 +26,8 @@ struct PoseRefiner::ChosenSamples {
     bool ends_group;
   };
   std::vector<Sample> samples;
-  double stride = 1;           ///< every so many-th is among them
-  std::vector<size_t> pieces;  ///< borders of pieces of work, between lines; first and last too
+  double stride = 1;           ///< every stride-th visible sample is chosen
+  std::vector<size_t> pieces;  ///< borders of the pieces of work, always at ends of lines
 };
 
 PoseRefiner::ChosenSamples PoseRefiner::choose(const RefinementView& view, const Pose& base_pose,
@@ -35,9 +35,10 @@ PoseRefiner::ChosenSamples PoseRefiner::choose(const RefinementView& view, const
   const VisibleSet& set = *view.visible;
   const CameraModel& camera = *view.camera;
   const Pose camera_from_map = (base_pose * view.T_base_camera).inverse();
-  // A pose moves by about the reach of the normals while it is refined.
+  // Samples near the image are chosen, too: during the refinement the pose moves by about the
+  // search length.
   const double margin = 2 * refinement_.search_length;
-  std::vector<size_t> near;  // segments whose middle is in the image or close to it
+  std::vector<size_t> near;  // segments whose centre is in the image or close to it
   size_t count = 0;
   for (size_t k = 0; k < set.segments.size(); ++k) {
     const EdgeSegment& edge = set.edgeSegment(set.segments[k]);
@@ -101,18 +102,21 @@ NormalEquations PoseRefiner::linearize(const RefinementView& view, const ChosenS
     Eigen::Vector2d pixel;
     Eigen::Matrix<double, 2, 3> projection;
     if (!camera.project(p, &pixel, &projection) || !camera.contains(pixel)) return;
-    if (!image.ignore.empty() && image.ignore.at<uint8_t>(static_cast<int>(pixel.y() + 0.5),
-                                                          static_cast<int>(pixel.x() + 0.5)))
+    // The pixel is in the image, so it is not negative, and this rounds it. std::lround is slower.
+    const auto nearest = [](double v) {
+      return static_cast<int>(v + 0.5);  // NOLINT(bugprone-incorrect-roundings)
+    };
+    if (!image.ignore.empty() && image.ignore.at<uint8_t>(nearest(pixel.y()), nearest(pixel.x())))
       return;
     const Eigen::Vector2d direction = projection * (camera_from_map.linear() * sample.tangent);
     if (direction.squaredNorm() < 1e-12) return;
     const Eigen::Vector2d normal = Eigen::Vector2d(-direction.y(), direction.x()).normalized();
-    // normal . pixelJacobian
+    // row = normal^T * pixelJacobian()
     const Eigen::Vector3d along = projection.transpose() * normal;
     Twist row;
     row << -along, along.cross(p);
     ++line->used;
-    // The prior says how far along this normal the edge can be (active search).
+    // The prior limits the distance of the edge along this normal (active search).
     double length = search_length;
     if (prior_covariance) {
       const double spread = std::sqrt(row.dot(camera_covariance * row));
@@ -135,7 +139,7 @@ NormalEquations PoseRefiner::linearize(const RefinementView& view, const ChosenS
     for (size_t i = begin; i < end; ++i) {
       add(chosen.samples[i], &line);
       if (!chosen.samples[i].ends_group) continue;
-      // As in the robust likelihood, one line says at most as much as `line_saturation` samples.
+      // As in the robust likelihood, a line counts at most as much as `line_saturation` samples.
       const double share =
           chosen.stride / (1 + chosen.stride * line.used / likelihood_.line_saturation);
       line.h *= share;
@@ -145,7 +149,8 @@ NormalEquations PoseRefiner::linearize(const RefinementView& view, const ChosenS
     }
     return sum;
   };
-  // Whole lines, in pieces that don't depend on the number of threads.
+  // Pieces hold whole lines. They do not depend on the number of threads, so the sums do not
+  // either.
   std::vector<NormalEquations> sums(chosen.pieces.size() - 1);
   tbb::parallel_for(size_t{0}, sums.size(),
                     [&](size_t p) { sums[p] = addLines(chosen.pieces[p], chosen.pieces[p + 1]); });
@@ -158,7 +163,8 @@ NormalEquations PoseRefiner::linearize(const RefinementView& view, const ChosenS
 
 NormalEquations PoseRefiner::linearizeDepth(const RefinementView& view, const Pose& base_pose,
                                             double progress) const {
-  // Points reach as far as the field at first, and as far as their noise in the end.
+  // At the first step points are pulled from as far as the distance field reaches (3 sigma). At the
+  // last step only their noise counts.
   constexpr double kFinalSigma = 0.005;
   const double first_sigma = depth_->field().truncation() / 3;
   const double sigma = first_sigma * std::pow(kFinalSigma / first_sigma, progress);
@@ -207,7 +213,7 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
       information += prior_information;
       gradient += prior_information * logSe3(result.pose.inverse() * prior->mean);
     } else {
-      // A direction that no edge constrains stays where it is.
+      // A direction that no edge constrains must not move.
       information += 1e-6 * n.h.diagonal().maxCoeff() * Matrix6::Identity();
     }
     Twist delta = information.ldlt().solve(gradient);

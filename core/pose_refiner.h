@@ -1,8 +1,10 @@
-/// Gauss-Newton refinement of a camera pose on the distances along the normals.
+/// Gauss-Newton refinement of a pose with image edges and depth points.
 ///
-/// The residuals are those of the likelihood: for a visible sample, the signed distance along the
-/// normal of its projected edge to the nearest image edge of matching direction (the scheme of
-/// C. Harris, "Tracking with rigid models", 1992; T. Drummond, R. Cipolla, PAMI 24(7), 2002).
+/// The residual of a visible sample is its signed distance to the nearest image edge of matching
+/// direction. As in the likelihood, the distance is measured along the normal of the projected
+/// model edge (the scheme of C. Harris, "Tracking with rigid models", 1992; T. Drummond,
+/// R. Cipolla, PAMI 24(7), 2002). The residual of a depth point is its distance from the model, see
+/// DepthLikelihood::linearize().
 #pragma once
 
 #include <memory>
@@ -20,41 +22,48 @@
 
 namespace edge_mcl {
 
-/// One camera of the robot at the moment of an update: its image, its depth image, or both.
+/// Data of one camera at the moment of an update: its image, its depth image, or both.
 struct RefinementView {
   const CameraModel* camera = nullptr;  ///< null: no image
   const EdgeImage* image = nullptr;
-  const EdgePixels* pixels = nullptr;  ///< of the image
+  const EdgePixels* pixels = nullptr;  ///< edge pixels of `image`
+  /// Samples visible from the camera; needed with an image.
   std::shared_ptr<const VisibleSet> visible;
-  Pose T_base_camera = Pose::Identity();
+  Pose T_base_camera = Pose::Identity();  ///< camera pose in the base frame
   const DepthPoints* depth = nullptr;
 };
 
+/// Pose and covariance after a refinement, with the number of matches.
 struct RefinementResult {
   Pose pose = Pose::Identity();              ///< T_map_base
   Matrix6 covariance = Matrix6::Identity();  ///< in the tangent space at `pose` (base frame)
-  int matched_samples = 0;  ///< samples with an image edge in reach at the last step
-  int used_samples = 0;     ///< samples inside the image at the last step
-  int matched_points = 0;   ///< depth points that are probably on the model, at the last step
-  bool converged = false;   ///< the last step moved less than 0.1 mm and 0.01 degrees
+  int matched_samples = 0;                   ///< samples that found an image edge at the last step
+  int used_samples = 0;  ///< samples inside the image and outside the mask at the last step
+  /// Depth points on the model with a probability above 0.5, at the last step.
+  int matched_points = 0;
+  bool converged = false;  ///< the last step moved less than 0.1 mm and 0.01 degrees
 };
 
-/// How much a refinement may cost.
+/// Effort of a refinement.
 struct RefinementEffort {
-  int iterations = 0;
-  int samples = 0;  ///< per camera
+  int iterations = 0;  ///< Gauss-Newton steps
+  int samples = 0;     ///< about this many per camera
 };
 
+/// Refines poses in steps. From step to step the search length falls from
+/// `refinement.search_length` to `refinement.final_search_length`.
 class PoseRefiner {
  public:
   PoseRefiner(RefinementParameters refinement, LikelihoodParameters likelihood,
               ImageParameters image);
-  /// Depth images are used with this.
+  /// Sets the likelihood of depth images. Without it refine() ignores depth images.
   void setDepth(std::shared_ptr<const DepthLikelihood> depth) { depth_ = std::move(depth); }
 
-  /// @param start T_map_base. @param prior Gaussian that the result is pulled to, if any.
-  /// Without prior and with too few edges and points (six independent ones are needed) the start is
-  /// returned with matched_samples + matched_points < 6.
+  /// Refines a pose. Without a prior a step needs six matches (samples and depth points together).
+  /// With fewer matches the refinement ends early. It returns the pose reached so far (the start
+  /// pose if this is the first step), with matched_samples + matched_points < 6.
+  /// @param start T_map_base.
+  /// @param prior Gaussian that pulls the result to its mean, if any.
   RefinementResult refine(const std::vector<RefinementView>& views, const Pose& start,
                           const std::optional<PoseGaussian>& prior,
                           const RefinementEffort& effort) const;
@@ -73,8 +82,10 @@ class PoseRefiner {
   ImageParameters image_;
 };
 
-/// d pixel / d xi of a point fixed in the map, for T_map_camera * exp(xi).
-/// @param point_camera the point in camera axes. @return false when it cannot be projected.
+/// Projects a point that is fixed in the map, and computes d pixel / d xi for
+/// T_map_camera * exp(xi).
+/// @param point_camera the point in camera axes, metres.
+/// @return false when the point cannot be projected.
 bool pixelJacobian(const CameraModel& camera, const Eigen::Vector3d& point_camera,
                    Eigen::Vector2d* pixel, Eigen::Matrix<double, 2, 6>* jacobian);
 

@@ -1,4 +1,4 @@
-/// Pictures of what was found, as in the paper's figure 5.
+/// Draws detected objects into the image, as in the paper's figure 5.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,13 +9,15 @@
 
 namespace edge_mcl {
 
-/// The image with every object tinted in its class's colour, outlined, and named with its number
-/// (where it is tracked) and score; an object that the network did not see in this very image has
-/// a broken outline.
+/// Draws every object with a tint and an outline in the colour of its class, and with class name,
+/// number (if it is tracked) and score. The outline is broken when the network did not see the
+/// object in this image. @param image CV_8UC3 or CV_8U. @param classes names by class number.
+/// @return CV_8UC3.
 cv::Mat drawDetections(const cv::Mat& image, const Detections& detections,
                        const std::vector<std::string>& classes);
 
-/// Blue green red; colours that most colour-blind readers can tell apart.
+/// Returns the colour of a class: blue, green, red. Most colour-blind readers can tell the colours
+/// apart.
 cv::Scalar colorOfClass(int class_id);
 
 }  // namespace edge_mcl

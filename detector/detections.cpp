@@ -5,7 +5,8 @@
 namespace edge_mcl {
 
 namespace {
-constexpr int kLargestDisc = 32;  // above it the disc's area costs more than a distance per pixel
+// px; for larger discs a distance transform is faster than the dilation.
+constexpr int kLargestDisc = 32;
 }  // namespace
 
 void dilateMask(int pixels, cv::Mat* mask) {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/base/parameter_struct.h"
 #include "edge_mcl/core/base/parameters.h"
 #include "edge_mcl/core/base/yaml_file.h"
 
@@ -33,7 +34,7 @@ std::string namesOf(const std::map<std::string, Value>& values) {
   return all;
 }
 
-/// Reads keys and collects what is wrong with them.
+/// Reads the keys of a YAML map and collects all faults.
 class Keys {
  public:
   using Reader = std::function<void(const YAML::Node&)>;
@@ -42,7 +43,7 @@ class Keys {
     readers_[key] = [target](const YAML::Node& n) { *target = n.as<T>(); };
     return *this;
   }
-  /// One number for all, or a list of three.
+  /// Adds a key whose value is one number for all three channels or a list of three numbers.
   Keys& triple(const std::string& key, std::array<double, 3>* target) {
     readers_[key] = [target](const YAML::Node& n) {
       if (n.IsSequence())
@@ -68,7 +69,7 @@ class Keys {
     for (const auto& [key, reader] : readers_) known.push_back(key);
     for (const auto& entry : root) {
       if (!entry.first.IsScalar()) {
-        faults_.emplace_back("a key that is no name");
+        faults_.emplace_back("a key is not a plain name");
         continue;
       }
       const auto key = entry.first.as<std::string>();

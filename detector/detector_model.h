@@ -1,4 +1,4 @@
-/// A network, described by a YAML file beside it: what goes in, what comes out.
+/// Reads the YAML description of a network: its file, its input and its output.
 #pragma once
 
 #include <array>
@@ -7,48 +7,53 @@
 
 namespace edge_mcl {
 
-/// How the network's output is laid out. N: boxes, C: classes; boxes are in pixels of the network's
-/// input unless said otherwise.
+/// Layout of the network's output. N: number of boxes, C: number of classes. Boxes are in pixels of
+/// the network's input, or in shares of its width and height where the layout says so.
 enum class OutputLayout {
-  kSegmentation,  ///< [1, C, h, w] scores before softmax; class 0 is background
-  kSsd,           ///< [1, 1, N, 7]: image, class, score, left, top, right, bottom in shares
-  kMaskRcnn,      ///< the same and a second output [N, C, h, w]: masks within the boxes
+  kSegmentation,  ///< [1, C, h, w]: scores before softmax; class 0 is the background
+  kSsd,           ///< [1, 1, N, 7]: image, class, score; left, top, right, bottom in shares
+  kMaskRcnn,      ///< as kSsd, and a second output [N, C, h, w]: masks within the boxes
   kYolo,          ///< [1, N, 5 + C]: centre, size, objectness, class scores
-  kYolox,         ///< the same, centre and size relative to the cells of several grids
+  kYolox,         ///< as kYolo, with centre and size relative to the cells of several grids
   kYoloV8,        ///< [1, 4 + C, N]: centre, size, class scores
-  kDarknet,       ///< per output [N, 5 + C]: as kYolo in shares, class scores times objectness
-  kFastestDet,    ///< [1, 5 + C, h, w]: objectness, offset and size, class scores
+  kDarknet,       ///< every output [N, 5 + C]: centre and size in shares, objectness, class scores;
+                  ///< the class scores already contain the objectness
+  kFastestDet,    ///< [1, 5 + C, h, w]: objectness, offset, size, class scores
 };
 
-/// How an image is brought to the network's size.
+/// How an image is fitted into the network's input.
 enum class InputFit {
-  kStretch,           ///< each axis by itself
-  kLetterbox,         ///< in proportion, at the top left, the rest filled
-  kLetterboxCentred,  ///< in proportion, in the middle
+  kStretch,           ///< width and height are scaled separately
+  kLetterbox,         ///< in proportion, at the top left, the rest is filled
+  kLetterboxCentred,  ///< in proportion, in the middle, the rest is filled
 };
 
+/// Description of a network.
 struct DetectorModel {
-  std::string name;         ///< of the YAML file, without its ending
-  std::string file;         ///< weights or the whole network
-  std::string config_file;  ///< empty: none needed
-  int width = 320, height = 240;
-  std::array<double, 3> mean{};            ///< subtracted first, in the network's colour order
-  std::array<double, 3> scale{{1, 1, 1}};  ///< then multiplied
-  bool rgb = false;                        ///< colour order; false: blue green red
+  std::string name;                        ///< name of the YAML file without its ending
+  std::string file;                        ///< weights or the whole network
+  std::string config_file;                 ///< second file of some formats; empty: not needed
+  int width = 320, height = 240;           ///< of the network's input, pixels
+  std::array<double, 3> mean{};            ///< is subtracted first, in the network's colour order
+  std::array<double, 3> scale{{1, 1, 1}};  ///< is multiplied afterwards
+  bool rgb = false;                        ///< colour order: red green blue; false: blue green red
   InputFit fit = InputFit::kStretch;
-  double padding = 114;  ///< grey level of the letterbox's rest
+  double padding = 114;  ///< grey level that fills the rest of a letterbox
   OutputLayout layout = OutputLayout::kSegmentation;
-  std::vector<std::string> outputs;     ///< names; empty: all that nothing follows
-  std::vector<int> strides{8, 16, 32};  ///< kYolox
+  std::vector<std::string> outputs;     ///< names of outputs; empty: all unconnected outputs
+  std::vector<int> strides{8, 16, 32};  ///< kYolox only: pixels per grid cell
   double score_threshold = 0.5;
-  std::vector<std::string> classes;  ///< in the order of the network
-  std::vector<std::string> movable;  ///< those that are ignored unless the user says else
+  std::vector<std::string> classes;  ///< names in the order of the network
+  std::vector<std::string> movable;  ///< classes that are ignored unless the user names others
 
-  /// @throws InputError naming file, key and fault; unknown keys are faults, all are listed.
+  /// Reads a description. @throws InputError with file, key and fault. It lists all faults; an
+  /// unknown key is a fault.
   static DetectorModel fromYamlFile(const std::string& file);
 
-  /// Number of a class. @throws ParameterError naming the nearest.
+  /// Returns the number of a class. @throws ParameterError for an unknown name; it names the
+  /// nearest class.
   int classNumber(const std::string& class_name) const;
+  /// Whether the network segments pixels. Other networks find boxes.
   bool segments() const { return layout == OutputLayout::kSegmentation; }
 };
 

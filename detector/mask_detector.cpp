@@ -56,8 +56,8 @@ MaskDetector::MaskDetector(const DetectorModel& model, const DetectorParameters&
   }
   if (names.empty())
     throw ParameterError("model " + model.name +
-                         " calls no class movable: name some in ignore_classes");
-  for (const std::string& name : names)  // which several classes may have
+                         " has no movable class: name classes in ignore_classes");
+  for (const std::string& name : names)  // several classes may have the same name
     for (auto c = static_cast<size_t>(model.classNumber(name)); c < ignored_.size(); ++c)
       if (model.classes[c] == name) ignored_[c] = true;
   std::error_code unused;
@@ -72,13 +72,13 @@ MaskDetector::MaskDetector(const DetectorModel& model, const DetectorParameters&
   }
   if (network_->net.empty())
     throw InputError("model " + model.name + ": " + model.file + " holds no network");
-  // OpenCV knows one number of threads, for the whole process; it is not to be changed in flight.
+  // OpenCV has one number of threads for the whole process, so it is set once, before the flight.
   if (parameters_.threads > 0) cv::setNumThreads(parameters_.threads);
   network_->net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
   network_->net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
   network_->outputs.assign(model.outputs.begin(), model.outputs.end());
   if (network_->outputs.empty()) network_->outputs = network_->net.getUnconnectedOutLayersNames();
-  // What does not fit shows now, not in flight; and the first run sets up the network's buffers.
+  // A first run reveals a wrong description now and not in flight. It also sets up the buffers.
   detect(cv::Mat(model.height, model.width, CV_8UC3, cv::Scalar::all(114)));
 }
 
@@ -129,7 +129,7 @@ std::vector<cv::Mat> MaskDetector::forward(const cv::Mat& input) {
   } catch (const cv::Exception& e) {
     throw InputError("model " + model_.name + ": cannot be run: " + e.what());
   }
-  // No comparison with a threshold holds for these: they would pass for nothing found.
+  // A NaN is never above a threshold, so without this check it would mean "nothing found".
   for (const cv::Mat& output : outputs)
     if (output.depth() == CV_32F && !cv::checkRange(output))
       throw InputError("model " + model_.name + ": its output is not finite");
@@ -163,8 +163,8 @@ Detections MaskDetector::segments(const cv::Mat& scores, const cv::Size& size) c
                      "], but segmentation of " + std::to_string(classes) + " classes needs [1, " +
                      std::to_string(classes) + ", height, width]");
   }
-  // Softmax at the network's resolution; the ignored classes count together, so that a doubt
-  // whether something is a chair or a sofa does not make a hole.
+  // Softmax at the network's resolution. The probabilities of all ignored classes are added, so
+  // that a doubt between chair and sofa makes no hole in the mask.
   const int height = scores.size[2], width = scores.size[3];
   cv::Mat movable(height, width, CV_32F), best(height, width, CV_8U);
   for (int y = 0; y < height; ++y)

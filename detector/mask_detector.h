@@ -1,4 +1,4 @@
-/// Runs a detection or segmentation network on images.
+/// Runs a detection or segmentation network on images and returns objects with masks.
 #pragma once
 
 #include <memory>
@@ -10,30 +10,32 @@
 
 namespace edge_mcl {
 
-/// Where the time of one image went, ms.
+/// Times of the stages for one image, ms.
 struct DetectorTimes {
   double preparation = 0, network = 0, decoding = 0;
   double total() const { return preparation + network + decoding; }
 };
 
-/// Finds what the user ignores in an image. Not thread-safe.
+/// Finds the objects of the ignored classes in an image. Not thread-safe.
 class MaskDetector {
  public:
-  /// Loads the network and runs it once on a grey picture.
-  /// @throws InputError when a file is missing or broken, or the output does not fit its
-  /// description; ParameterError for classes that the model does not know.
+  /// Loads the network and runs it once on a grey image.
+  /// @throws InputError when a file is missing or broken, or the output does not fit the model's
+  /// description; ParameterError for classes that the model does not have, or when no class is
+  /// ignored.
   MaskDetector(const DetectorModel& model, const DetectorParameters& parameters);
   ~MaskDetector();
 
-  /// @param image CV_8UC3, blue green red, or CV_8U. @return objects of the ignored classes, each
-  /// with its mask: pixels for a segmenting network, else all of its box.
-  /// @throws InputError on an empty image or one of another type, or when the network's output is
-  /// not finite.
+  /// Finds objects of the ignored classes. The mask of an object has the pixels that the network
+  /// gives; without pixels it is the whole box. @param image CV_8UC3, blue green red, or CV_8U.
+  /// @throws InputError for an empty image, an image of another type, or an output of the network
+  /// that is not finite.
   Detections detect(const cv::Mat& image);
 
+  /// Times of the last detect().
   const DetectorTimes& times() const { return times_; }
   const DetectorModel& model() const { return model_; }
-  /// The network's raw outputs for an image, in the order of the model's `outputs`.
+  /// Returns the raw outputs of the network for an image, in the order of the model's `outputs`.
   std::vector<cv::Mat> rawOutputs(const cv::Mat& image);
 
  private:
@@ -51,7 +53,7 @@ class MaskDetector {
   std::unique_ptr<Network> network_;
   DetectorModel model_;
   DetectorParameters parameters_;
-  std::vector<bool> ignored_;  // by class
+  std::vector<bool> ignored_;  // one entry for every class
   double threshold_;
   DetectorTimes times_;
 };

@@ -1,6 +1,7 @@
-/// Keeps found objects masked between two runs of the network, and knows them again.
+/// Keeps detected objects masked between two runs of the network, and recognizes them later.
 ///
-/// The paper: once found, an object is quickly identified in all further images, in real time.
+/// The paper says that an object, once found, is quickly identified in all further images in real
+/// time.
 #pragma once
 
 #include <deque>
@@ -12,54 +13,57 @@
 
 namespace edge_mcl {
 
-/// Every image is handed to advance(); hold() says that the network begins with it, and whenever it
-/// is done its result goes to confirm(), however late. Objects are carried from image to image by
-/// the optical flow of corners on them (Lucas-Kanade, checked backwards), or, where too few can be
-/// followed, by that of the background: what stands still moves with it. Not thread-safe.
+/// Tracks detected objects from image to image. Call advance() with every image. Call hold() when
+/// the network starts with the newest image, and confirm() when its result is there, however late.
+/// Objects are moved by the optical flow of corners on them (Lucas-Kanade, checked backwards). With
+/// too few corners an object is moved by the flow of the background, because an object at rest
+/// moves with the background. Not thread-safe.
 class ObjectTracker {
  public:
   explicit ObjectTracker(const DetectorParameters& parameters) : parameters_(parameters) {}
 
-  /// @param image CV_8UC3 or CV_8U. @param time s.
-  /// @return true when nothing is known before this image: the first one, one of another size, or
-  /// one more than a second before the last (a bag in a loop).
-  /// @throws InputError for an image of another type, or one that is not later than the last by
-  /// less than that: it is not taken, all else stays.
+  /// Moves all objects to the next image. @param image CV_8UC3 or CV_8U. @param time s.
+  /// @return true when the tracker starts anew with this image: it is the first image, has another
+  /// size, or is more than 1 s older than the last one (a bag in a loop).
+  /// @throws InputError for an image of another type, or a time that is not later than the last one
+  /// and at most 1 s earlier. Such an image is not used, and the state stays.
   bool advance(const cv::Mat& image, double time);
 
-  /// The network begins with the newest image: until confirm() that one is remembered, and of those
-  /// that follow kHistory at most, spread evenly, so that carrying its result to now takes no
-  /// longer.
+  /// Says that the network starts with the newest image. This image is remembered until confirm().
+  /// Of it and the images that follow, kHistory are remembered at most, spread evenly in time. So
+  /// the time to move the result of the network to the newest image is limited.
   void hold();
 
-  /// What the network found in the image of a time that was handed in. Ignored when that image is
-  /// not remembered: without hold() it is one of the newest kHistory.
-  /// @return false when it was ignored.
+  /// Takes the result of the network for the image of this time (s). Without hold() only the newest
+  /// kHistory images are remembered. @return false when the image is not remembered; the result is
+  /// then ignored. @throws InputError for a mask of another size.
   bool confirm(double time, const Detections& found);
 
-  /// Objects as they are in the newest image, masks of its size; score is the confidence.
+  /// Objects in the newest image. Their masks have the image's size, their score is the confidence.
   Detections objects() const;
-  /// All of them, grown by `dilation` and by `dilation_growth` for their age.
+  /// Joined mask of all objects in the newest image, CV_8U. Every object is grown by the parameters
+  /// `dilation` and, for its age, `dilation_growth`.
   cv::Mat mask() const;
+  /// Forgets all images and objects.
   void clear();
 
-  /// Images that are remembered.
+  /// Largest number of remembered images.
   static constexpr size_t kHistory = 32;
 
  private:
   struct Frame {
     double time;
-    cv::Mat grey, color;  // small
+    cv::Mat grey, color;  // reduced in size
   };
   struct Track {
     int id = 0, class_id = 0;
-    float score = 0;     // when last confirmed
-    double seen_at = 0;  // when the network last saw it
-    int misses = 0;
-    cv::Mat mask;                         // small, when last confirmed
-    cv::Matx23d moved{1, 0, 0, 0, 1, 0};  // since then, small pixels
+    float score = 0;                      // score of the last confirmation
+    double seen_at = 0;                   // time at which the network last saw it, s
+    int misses = 0;                       // runs of the network in a row that did not find it
+    cv::Mat mask;                         // at the last confirmation, reduced in size
+    cv::Matx23d moved{1, 0, 0, 0, 1, 0};  // motion since then, pixels of the reduced image
     std::vector<float> colors;            // histogram
-    double trust = 1;  // share of its corners that could be followed, multiplied up
+    double trust = 1;                     // product of the trust in the motion from image to image
   };
   struct Remembered {
     int id, class_id;
@@ -77,7 +81,7 @@ class ObjectTracker {
   DetectorParameters parameters_;
   cv::Size size_, small_size_;
   std::deque<Frame> frames_;
-  bool held_ = false;  // the first frame is at the network
+  bool held_ = false;  // the network works on the first frame
   std::vector<Track> tracks_;
   std::vector<Remembered> remembered_;
   int next_id_ = 1;

@@ -22,7 +22,7 @@ std::string shapeOf(const cv::Mat& m) {
                    " classes need " + expected);
 }
 
-/// The output as rows of `columns` numbers.
+/// Returns the output as a matrix with `columns` columns, without a copy. @throws InputError
 cv::Mat asRows(const DetectorModel& model, const cv::Mat& output, int columns) {
   if (output.type() != CV_32F || output.dims < 2 || output.size[output.dims - 1] != columns)
     wrongShape(model, output, "rows of " + std::to_string(columns));
@@ -122,8 +122,9 @@ class Decoder {
     }
   }
 
-  /// Objectness to the power 0.6 times class score to the power 0.4, centre by tanh within a cell,
-  /// size by sigmoid as a share of the picture (FastestDet's own detect function).
+  /// Score: objectness to the power 0.6 times class score to the power 0.4. Centre: tanh, relative
+  /// to the grid cell. Size: sigmoid, share of the input. Source: the detect function of
+  /// FastestDet.
   void fastestDet(const cv::Mat& output) {
     if (output.type() != CV_32F || output.dims != 4 || output.size[1] != 5 + classCount())
       wrongShape(model_, output, "[1, " + std::to_string(5 + classCount()) + ", rows, columns]");
@@ -175,8 +176,8 @@ std::vector<NetworkBox> decodeBoxes(const DetectorModel& model, const std::vecto
   Decoder decoder(model, threshold);
   const size_t wanted = model.layout == OutputLayout::kMaskRcnn ? 2 : 1;
   if (outputs.size() < wanted)
-    throw InputError("model " + model.name + ": " + std::to_string(wanted) + " outputs needed, " +
-                     std::to_string(outputs.size()) + " are there");
+    throw InputError("model " + model.name + ": " + std::to_string(wanted) +
+                     " outputs are needed, " + std::to_string(outputs.size()) + " found");
   if (model.layout == OutputLayout::kMaskRcnn) {
     decoder.ssd(outputs[0], &outputs[1]);
     return std::move(decoder.boxes);

@@ -1,4 +1,4 @@
-/// Boxes from the raw output of detection networks.
+/// Decodes the raw output of detection networks into boxes.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,12 +13,12 @@ struct NetworkBox {
   int class_id = 0;
   float score = 0;
   cv::Rect2f box;
-  cv::Mat mask;  ///< CV_32F, 0 to 1, stretched over the box; empty: all of it
+  cv::Mat mask;  ///< CV_32F, 0 to 1, to be stretched over the box; empty: the whole box
 };
 
-/// Every box whose best class scores at least `threshold`; overlapping ones are not merged.
-/// @throws InputError when an output's shape is not what the layout and the number of classes ask
-/// for; it names both. Likewise for a box of a class that has no name.
+/// Returns every box whose best class has a score of at least `threshold`. Overlapping boxes are
+/// not merged. @throws InputError when the shape of an output does not fit the layout and the
+/// number of classes (the text names both), or when a box has a class without a name.
 std::vector<NetworkBox> decodeBoxes(const DetectorModel& model, const std::vector<cv::Mat>& outputs,
                                     float threshold);
 

@@ -1,4 +1,4 @@
-/// Masks for a recording, as a network of limited speed would give them in flight.
+/// Makes masks for a recording as a network of limited speed gives them in flight.
 #pragma once
 
 #include <optional>
@@ -8,14 +8,15 @@
 
 namespace edge_mcl {
 
-/// Runs the network on the images that its rate allows, hands in each result when its delay is
-/// over, and tracks in between. By the images' times alone: the same on every machine.
+/// Runs the network at a given rate, uses each result after a given delay, and tracks objects in
+/// between. Only the time stamps of the images count, so the result is the same on every machine.
 class RecordedFlightMasks {
  public:
-  /// @param rate runs of the network per second; 0: on every image.
-  /// @param delay s after which a result is there; the first is waited for, as nothing is known
-  /// before, and likewise after an image of another size. A new run begins when the last one's
-  /// result is there.
+  /// @param rate runs of the network per second; 0: on every image. A new run begins only after the
+  /// result of the last one was used.
+  /// @param delay s from an image to the use of its result. The first result is used at once,
+  /// because no object is known before. This also holds when the tracker starts anew, see
+  /// ObjectTracker::advance().
   RecordedFlightMasks(MaskDetector* detector, const DetectorParameters& parameters, double rate,
                       double delay)
       : interval_(rate > 0 ? 1 / rate : 0),
@@ -23,12 +24,12 @@ class RecordedFlightMasks {
         detector_(*detector),
         tracker_(parameters) {}
 
-  /// The next image; times must increase.
+  /// Uses the next image. @param time s; must increase.
   void next(const cv::Mat& image, double time);
 
   const ObjectTracker& tracker() const { return tracker_; }
-  double trackingMs() const { return tracking_ms_; }  ///< of the last image
-  double networkMs() const { return network_ms_; }    ///< likewise; 0: it did not run
+  double trackingMs() const { return tracking_ms_; }  ///< time of tracking in the last image
+  double networkMs() const { return network_ms_; }    ///< time of the network; 0: it did not run
 
  private:
   struct Result {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the models of this folder anew: generate.py [FOLDER]. The same bytes every time."""
+"""Writes all models of this folder: generate.py [FOLDER]. Every run writes the same bytes."""
 import os
 import sys
 

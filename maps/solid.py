@@ -1,12 +1,12 @@
-"""Solids for the models of this folder: unions of boxes, prisms, curved walls; OBJ and DAE files.
+"""Makes solids for the models of this folder (boxes, prisms, curved walls) and writes OBJ and DAE files.
 
-Lengths in metres, z up, faces wound so that normals point out of the material.
+Lengths are in metres, and z is up. The winding of the faces makes the normals point out of the material.
 """
 import math
 
 
 class Mesh:
-    """Polygons by material name."""
+    """Polygons, each with the name of its material."""
 
     def __init__(self):
         self.vertices = []
@@ -35,8 +35,8 @@ class Mesh:
 def boxes(*operations):
     """The surface of boxes that are added or cut out one after the other.
 
-    An operation is (material, low corner, high corner); material None cuts. Where boxes touch there
-    is no face and no edge, as the surface is built on the grid of all their planes.
+    An operation is (material, low corner, high corner). The material None cuts the box out. Between boxes
+    that touch there is no face and no edge, because the surface is built on the grid of all their planes.
     """
     planes = [sorted({round(c[axis], 6) for _, low, high in operations for c in (low, high)})
               for axis in range(3)]
@@ -80,7 +80,7 @@ def _side(low, high, axis, side):
 
 
 def prism(material, outline, z0, z1):
-    """Upright, over a counter-clockwise convex outline [(x, y), ...]."""
+    """An upright prism from z0 to z1. The outline [(x, y), ...] is convex and counter-clockwise."""
     mesh = Mesh()
     n = len(outline)
     for i in range(n):
@@ -97,7 +97,7 @@ def circle(radius, sides, centre=(0, 0)):
 
 
 def curved_wall(material, centre, radius, thickness, from_deg, to_deg, pieces, z0, z1):
-    """A wall along an arc."""
+    """A wall along an arc, made of flat pieces. The radius is the inner one."""
     mesh = Mesh()
     angle = [math.radians(from_deg + (to_deg - from_deg) * i / pieces) for i in range(pieces + 1)]
 
@@ -137,7 +137,7 @@ def write_obj(mesh, path, materials, title):
 
 
 def write_dae(mesh, path, colors, title):
-    """COLLADA 1.4.1, one triangle list per material."""
+    """Writes COLLADA 1.4.1, with one triangle list per material."""
     used = sorted({material for material, _ in mesh.faces})
     lines = ['<?xml version="1.0" encoding="utf-8"?>',
              '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">',

@@ -11,7 +11,8 @@
 #include <sstream>
 
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/localization/backend_choice.h"
+#include "edge_mcl/core/base/parameter_struct.h"
+#include "edge_mcl/localization/map_factory.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 #include "edge_mcl/mrpt_plugins/observation_input.h"
 
@@ -25,9 +26,7 @@ CEdgeMap::CEdgeMap(const std::string& model_file, const Parameters& params) {
 }
 
 void CEdgeMap::load(const std::string& model_file, const Parameters& params) {
-  auto map = std::make_shared<LocalizationMap>(model_file, params);
-  chooseBackend(map.get());
-  map_ = std::move(map);
+  map_ = makeMap(model_file, params);
   model_file_ = model_file;
   cache_ = std::make_shared<ImageCache>();
 }
@@ -43,13 +42,13 @@ const LocalizationMap& CEdgeMap::localization() const {
   return *map_;
 }
 
-// ---- Definition from ini files
+// ---- Definition in ini files
 
 CEdgeMap::TMapDefinition::TMapDefinition() = default;
 
 namespace {
 
-/// MRPT's ini reader hands over what follows the value on its line.
+/// Removes a comment after a value. MRPT's ini reader returns it as part of the value.
 std::string withoutComment(std::string text) {
   text.resize(std::min(text.size(), text.find_first_of("#;")));
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
@@ -64,7 +63,7 @@ void CEdgeMap::TMapDefinition::loadFromConfigFile_map_specific(
   std::string faults;
   std::vector<std::string> keys;
   source.getAllKeys(section, keys);
-  // Keys that MRPT reads itself for every map.
+  // MRPT itself reads these keys, for every map.
   const std::vector<std::string> of_mrpt = {"enableSaveAs3DObject", "enableObservationLikelihood",
                                             "enableObservationInsertion"};
   for (const std::string& key : keys) {
@@ -98,20 +97,20 @@ mrpt::maps::CMetricMap* CEdgeMap::internal_CreateFromMapDefinition(
   return map.release();
 }
 
-// ---- Serialization: the file's name and the parameters; the model itself stays on disk.
+// ---- Serialization. The archive holds file names and parameters. The model itself stays on disk.
 
-uint8_t CEdgeMap::serializeGetVersion() const { return 1; }
+uint8_t CEdgeMap::serializeGetVersion() const { return 2; }
 
 void CEdgeMap::serializeTo(mrpt::serialization::CArchive& out) const {
   out << model_file_ << camera_file_;
   const Parameters params = map_ ? map_->params() : Parameters();
-  const auto values = params.describe();
+  const auto values = describeParameters(params);
   out << static_cast<uint32_t>(values.size());
   for (const auto& v : values) out << v.name << v.value;
 }
 
 void CEdgeMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
-  if (version > 1) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
+  if (version > 2) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   std::string file, camera_file;
   uint32_t count = 0;
   in >> file;
@@ -121,7 +120,8 @@ void CEdgeMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version)
   for (uint32_t i = 0; i < count; ++i) {
     std::string name, value;
     in >> name >> value;
-    params.set(name, value);
+    // Version 1 had a parameter for tests only.
+    if (version >= 2 || name != "visibility.exact") params.set(name, value);
   }
   internal_clear();
   if (!file.empty()) load(file, params);
@@ -173,7 +173,7 @@ bool CEdgeMap::internal_canComputeObservationLikelihood(const mrpt::obs::CObserv
 
 bool CEdgeMap::internal_insertObservation(const mrpt::obs::CObservation&,
                                           const std::optional<const mrpt::poses::CPose3D>&) {
-  return false;  // the model is given, nothing is learnt
+  return false;  // the model is fixed: observations do not change it
 }
 
 void CEdgeMap::internal_clear() {

@@ -1,4 +1,4 @@
-/// The 3D model as an MRPT metric map.
+/// A 3D model as an MRPT metric map.
 #pragma once
 
 #include <mrpt/maps/CMetricMap.h>
@@ -16,51 +16,57 @@
 
 namespace edge_mcl {
 
-/// Scores camera images (CObservationImage, CObservationMaskedImage, and the intensity image of
-/// CObservation3DRangeScan) against the edges of a 3D model, and range images of
-/// CObservation3DRangeScan against its surfaces (likelihood.cues: edges, depth or both).
+/// MRPT metric map that scores observations against a 3D model. Camera images (CObservationImage,
+/// CObservationMaskedImage, intensity image of CObservation3DRangeScan) are compared with the edges
+/// of the model. Range images (CObservation3DRangeScan) are compared with its surfaces. The
+/// parameter likelihood.cues says which of both are used: edges, depth or both.
 ///
-/// In an MRPT ini file, as map number 00 of section [MetricMap]:
+/// Definition in an MRPT ini file, as map number 00 of section [MetricMap]:
 /// @code
 /// [MetricMap]
 /// edge_mcl::CEdgeMap_count = 1
 /// [MetricMap_edge_mcl::CEdgeMap_00_creationOpts]
 /// model_file = building.obj
-/// camera_file = camera.yaml       ; calibration of images that come without; may be left out
+/// camera_file = camera.yaml       ; optional: calibration of images without one
 /// likelihood.model = robust       ; any parameter of `edge-mcl parameters`
 /// @endcode
-/// The library must be loaded before MRPT reads the file: link to it, or LD_PRELOAD it.
+/// The library must be loaded before MRPT reads the file: link to it, or load it with LD_PRELOAD.
 ///
-/// Log-likelihoods are pure functions of image and pose; the edges and the table of an image are
-/// made once and kept until another image comes. Safe to call from several threads.
+/// A log-likelihood depends only on image and pose. The edges and the table of an image are made
+/// once and kept until another image comes. Safe to call from several threads.
 class CEdgeMap : public mrpt::maps::CMetricMap {
   DEFINE_SERIALIZABLE(CEdgeMap, edge_mcl)
 
  public:
   CEdgeMap() = default;
-  /// @throws InputError, ParameterError
+  /// Loads a model, see load().
   CEdgeMap(const std::string& model_file, const Parameters& params);
 
+  /// Loads a model file. @throws InputError when the file cannot be used. @throws ParameterError
+  /// when a parameter is not valid.
   void load(const std::string& model_file, const Parameters& params);
-  /// Calibration of images that come without. Empty: they are an error. @throws InputError
+  /// Reads the calibration (YAML) of images that come without one. With an empty name these images
+  /// are an error. @throws InputError when the file cannot be used.
   void useCamera(const std::string& camera_file);
-  /// @throws Error when no model is loaded.
+  /// The model, with everything that scores poses in it. @throws Error when no model is loaded.
   const LocalizationMap& localization() const;
   const std::string& modelFile() const { return model_file_; }
 
-  /// The observation's image and range image, as far as likelihood.cues uses them, prepared; empty
-  /// for other observations. @throws InputError on a broken image, mask or camera.
+  /// Prepares the image and the range image of an observation, if likelihood.cues uses them. The
+  /// result is empty for other observations. @throws InputError when image, mask, range image or
+  /// camera is not valid. @throws Error when no model is loaded.
   std::vector<CameraView> views(const mrpt::obs::CObservation& obs) const;
 
-  /// Log-likelihood of many robot poses (T_map_base) at once: the same numbers that
-  /// computeObservationLikelihood gives one by one.
+  /// Log-likelihoods (nats) of many robot poses (T_map_base), one per pose. They are the numbers
+  /// that computeObservationLikelihood gives for single poses. @throws as views().
   std::vector<double> logLikelihoods(const mrpt::obs::CObservation& obs,
                                      const std::vector<Pose>& base_poses) const;
 
   bool isEmpty() const override { return !map_; }
   std::string asString() const override;
   void getVisualizationInto(mrpt::opengl::CSetOfObjects& out) const override;
-  /// Writes PREFIX_edges.obj: the feature lines as line elements.
+  /// Writes the feature lines as line elements to PREFIX_edges.obj. @throws InputError when the
+  /// file cannot be written.
   void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
 
  private:
@@ -76,7 +82,7 @@ class CEdgeMap : public mrpt::maps::CMetricMap {
   std::optional<CameraModel> camera_;
   std::shared_ptr<const LocalizationMap> map_;
 
-  /// The last image and depth, recognised by address, time and a sample of the image's pixels.
+  /// The last image and the last depth image, recognised by keyOf() and depthKeyOf().
   struct ImageCache {
     std::mutex mutex;
     uint64_t image_key = 0, depth_key = 0;

@@ -32,7 +32,7 @@ void CEdgeMonteCarloLocalization3D::publishParticles() {
 }
 
 void CEdgeMonteCarloLocalization3D::takeParticles() {
-  // Somebody may have set particles through the base class (resetUniform, resetDeterministic).
+  // A caller may have set particles through the base class (resetUniform, resetDeterministic).
   bool changed = m_particles.size() != filter_.poses().size();
   for (size_t i = 0; i < m_particles.size() && !changed; ++i)
     changed = !(m_particles[i].d == toMrpt(filter_.poses()[i]).asTPose());

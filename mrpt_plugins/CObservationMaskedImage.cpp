@@ -9,7 +9,7 @@ namespace edge_mcl {
 uint8_t CObservationMaskedImage::serializeGetVersion() const { return 0; }
 
 void CObservationMaskedImage::serializeTo(mrpt::serialization::CArchive& out) const {
-  // The base class writes no version of its own here; keep it beside its data.
+  // The base class does not write its version here, so the version goes before its data.
   out << mrpt::obs::CObservationImage::serializeGetVersion();
   mrpt::obs::CObservationImage::serializeTo(out);
   const bool masked = !ignore_mask.isEmpty();

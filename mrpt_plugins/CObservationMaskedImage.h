@@ -5,13 +5,13 @@
 
 namespace edge_mcl {
 
-/// Everything of mrpt::obs::CObservationImage, and which of its pixels show things that are not in
-/// the map. `cameraPose` is the optical frame (x right, y down, z forward) on the robot.
+/// A CObservationImage with a mask of the pixels that show objects which are not in the map.
+/// `cameraPose` is T_base_camera with the optical frame of the camera (x right, y down, z forward).
 class CObservationMaskedImage : public mrpt::obs::CObservationImage {
   DEFINE_SERIALIZABLE(CObservationMaskedImage, edge_mcl)
 
  public:
-  /// 8-bit grey, non-zero = ignore, same size as `image`; empty: nothing is ignored.
+  /// Mask, 8-bit grey, of the size of `image`; non-zero = ignored. Empty: nothing is ignored.
   mrpt::img::CImage ignore_mask;
 
   void getDescriptionAsText(std::ostream& o) const override;

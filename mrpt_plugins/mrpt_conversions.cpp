@@ -24,7 +24,7 @@ mrpt::poses::CPose3D toMrpt(const Pose& pose) {
 }
 
 mrpt::math::CMatrixDouble66 toMrptCovariance(const PoseGaussian& gaussian) {
-  // Jacobian of (x, y, z, yaw, pitch, roll) by the tangent vector, by central differences.
+  // Derivative of (x, y, z, yaw, pitch, roll) by the tangent vector, from central differences.
   constexpr double kStep = 1e-6;
   const auto coordinates = [](const Pose& pose) {
     const mrpt::poses::CPose3D p = toMrpt(pose);
@@ -58,7 +58,7 @@ CameraModel toCameraModel(const mrpt::img::TCamera& camera, const std::string& o
     case mrpt::img::DistortionModel::none:
       break;
     case mrpt::img::DistortionModel::plumb_bob:
-      // MRPT keeps the rational terms in the same array.
+      // MRPT keeps the terms of the rational model in the same array.
       model.distortion = DistortionModel::kRationalPolynomial;
       model.coefficients = camera.dist;
       if (camera.dist[5] == 0 && camera.dist[6] == 0 && camera.dist[7] == 0)

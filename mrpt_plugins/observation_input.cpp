@@ -20,7 +20,7 @@ using mrpt::obs::CObservationImage;
 
 namespace {
 
-/// Pixels and ranges may lie in files of their own. MRPT's words of these have many lines.
+/// Error about a file of pixels or ranges outside the rawlog. MRPT's own message has many lines.
 InputError unreadable(const std::string& origin, const std::string& file) {
   const std::filesystem::path folder = mrpt::img::CImage::getImagesPathBase();
   return InputError(origin + ": " + (folder / file).string() + ": missing or not readable");
@@ -36,7 +36,7 @@ cv::Mat pixelsOf(const mrpt::img::CImage& image, const std::string& origin) {
   return image.asCvMatRef();
 }
 
-/// Depth along the optical axis from distances along the rays.
+/// Depths along the optical axis (CV_32F, metres) from distances along the rays; 0: no return.
 cv::Mat depthFromRanges(const cv::Mat& ranges, const CameraModel& camera, double units_per_metre) {
   cv::Mat depth(ranges.size(), CV_32FC1, cv::Scalar(0));
   for (int y = 0; y < ranges.rows; ++y)
@@ -73,7 +73,7 @@ std::optional<ObservedImage> imageOf(const mrpt::obs::CObservation& obs,
     const bool has_none = own.fx() == 0 && own.fy() == 0;
     if (!has_none) return toCameraModel(own, originOf(obs));
     if (calibration) return *calibration;
-    throw InputError(originOf(obs) + ": it has no calibration, and none was given");
+    throw InputError(originOf(obs) + ": the image has no calibration, and none was given");
   };
   if (!hasImage(obs)) return std::nullopt;
   const std::string origin = originOf(obs);
@@ -109,7 +109,7 @@ cv::Mat rangesOf(const mrpt::obs::CObservation& obs) {
 }
 
 Pose depthMountingOf(const mrpt::obs::CObservation& obs) {
-  // As MRPT has it, the depth sensor itself has x forward and z up.
+  // In MRPT the frame of the depth sensor has x forward and z up.
   return toPose(dynamic_cast<const CObservation3DRangeScan&>(obs).sensorPose) * opticalOnBody();
 }
 
@@ -120,7 +120,9 @@ std::optional<ObservedDepth> depthOf(const mrpt::obs::CObservation& obs) {
   result.image.origin = originOf(obs);
   result.image.camera = toCameraModel(scan.cameraParams, result.image.origin);
   result.T_base_camera = depthMountingOf(obs);
-  if (!(scan.rangeUnits > 0)) throw InputError(result.image.origin + ": no unit of its ranges");
+  if (!(scan.rangeUnits > 0))
+    throw InputError(result.image.origin +
+                     ": the range image has no unit (rangeUnits must be positive)");
   result.image.units_per_metre = 1 / static_cast<double>(scan.rangeUnits);
   const cv::Mat units = rangesOf(obs);
   if (units.empty()) throw InputError(result.image.origin + ": the range image is empty");
@@ -128,7 +130,8 @@ std::optional<ObservedDepth> depthOf(const mrpt::obs::CObservation& obs) {
     result.image.depth = units.clone();
   } else {
     if (units.cols != result.image.camera.width || units.rows != result.image.camera.height)
-      throw InputError(result.image.origin + ": the range image is not of the camera's size");
+      throw InputError(result.image.origin +
+                       ": the range image and its camera have different sizes");
     result.image.depth = depthFromRanges(units, result.image.camera, result.image.units_per_metre);
   }
   return result;

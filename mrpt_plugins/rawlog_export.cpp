@@ -17,10 +17,10 @@ namespace edge_mcl {
 
 namespace {
 
-/// When, and where by odometry.
+/// Time of an image, and its pose by odometry.
 struct Moment {
-  double time;
-  const std::optional<Pose>& odometry;
+  double time;                          ///< seconds
+  const std::optional<Pose>& odometry;  ///< T_odom_camera
 };
 
 mrpt::obs::CActionCollection::Ptr actionBetween(const Moment& from, const Moment& to,
@@ -56,7 +56,7 @@ mrpt::obs::CActionCollection::Ptr actionBetween(const Moment& from, const Moment
   return actions;
 }
 
-/// @param origin named in errors.
+/// Makes a sensory frame of image, mask and ground truth. @param origin named in errors.
 mrpt::obs::CSensoryFrame::Ptr sensoryFrameOf(const RecordedFrame& frame, const CameraModel& camera,
                                              const Pose& T_base_camera, const std::string& origin) {
   auto image = std::make_shared<CObservationMaskedImage>();
@@ -109,11 +109,11 @@ RawlogWriter::RawlogWriter(const std::string& file, const RecordingSetup& setup,
 RawlogWriter::~RawlogWriter() = default;
 
 void RawlogWriter::write(const RecordedFrame& frame) {
-  if (!file_) throw Error(name_ + ": is closed");
+  if (!file_) throw Error(name_ + ": the rawlog is closed");
   const RecordedFrame& from = last_ ? *last_ : frame;
   try {
     auto archive = mrpt::serialization::archiveFrom(file_->stream);
-    // MRPT expects pairs: the motion that led here, then what was seen.
+    // MRPT expects pairs: first the motion up to this moment, then its observations.
     archive << *actionBetween({from.time, from.odometry}, {frame.time, frame.odometry},
                               setup_.T_base_camera, noise_)
             << *sensoryFrameOf(frame, setup_.camera, setup_.T_base_camera, name_);

@@ -28,7 +28,8 @@ using mrpt::obs::CObservation;
 
 namespace {
 
-/// As CRawlog::detectImagesDirectory() means to: of MRPT 2.5 that loses a slash.
+/// Folder of the image files of a rawlog. CRawlog::detectImagesDirectory() has the same purpose,
+/// but its result in MRPT 2.5 lacks a slash.
 std::string imagesFolderOf(const std::string& rawlog) {
   namespace fs = std::filesystem;
   const fs::path file(rawlog);
@@ -46,24 +47,24 @@ struct RawlogInput::Impl {
   std::string name, images_folder;
   bool masks = true, depths = false;
   mrpt::io::CFileGZInputStream stream;
-  std::optional<PoseGaussian> initial;  // never
+  std::optional<PoseGaussian> initial;  // always empty
   Trajectory truth;
   std::optional<CameraModel> camera;
   size_t images = 0, ranges = 0;
   std::optional<Pose> odometry;
   bool trusts_actions = true;
   bool warned = false, cut_off = false;
-  mrpt::serialization::CSerializable::Ptr pending;  // read, of the next moment
+  mrpt::serialization::CSerializable::Ptr pending;  // already read, belongs to the next moment
 
   void open() {
-    // MRPT's stream fails in ways of its own.
+    // MRPT's stream reports these faults in ways of its own, so they are checked first.
     std::error_code error;
     if (!std::filesystem::is_regular_file(name, error) ||
         std::filesystem::file_size(name, error) == 0 || !stream.open(name))
-      throw InputError(name + ": missing, empty or not readable");
+      throw InputError(name + ": the file is missing, empty or not readable");
   }
 
-  /// @return null at the end.
+  /// Reads the next object. @return null at the end of the file.
   mrpt::serialization::CSerializable::Ptr read() {
     if (stream.checkEOF()) return nullptr;
     const uint64_t begin = stream.getPosition();
@@ -74,7 +75,7 @@ struct RawlogInput::Impl {
         cut_off = stream.getPosition() != begin;
         return nullptr;
       }
-      throw InputError(name + ": broken, or not a rawlog");
+      throw InputError(name + ": the file is broken or not a rawlog");
     }
   }
 
@@ -98,7 +99,7 @@ struct RawlogInput::Impl {
 
   static double timeOf(const CObservation& obs) { return mrpt::Clock::toDouble(obs.timestamp); }
 
-  /// Observations of one object of the file, in their order.
+  /// Visits the observations of one object of the file, in their order.
   static void each(const mrpt::serialization::CSerializable::Ptr& object,
                    const std::function<void(const CObservation&)>& visit) {
     if (const auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object)) {
@@ -109,9 +110,9 @@ struct RawlogInput::Impl {
   }
 
   void survey() {
-    // rosbag2rawlog of MRPT 2.5 puts odometry through MRPT's 6-DoF motion model, which makes turns
-    // of sideways motion: most of its steps turn by more than anything that flies does.
-    constexpr double kWild = 0.5;  // rad
+    // rosbag2rawlog of MRPT 2.5 applies MRPT's 6-DoF motion model to odometry. This model turns
+    // sideways motion into rotation. Most of its steps then rotate more than any flying robot does.
+    constexpr double kWild = 0.5;  // rad; a step with a larger rotation is wild
     size_t steps = 0, wild_steps = 0;
     open();
     while (const auto object = read()) {
@@ -132,8 +133,9 @@ struct RawlogInput::Impl {
     }
     trusts_actions = 2 * wild_steps <= steps;
     if (images == 0 && !(depths && ranges > 0))
-      throw InputError(name + (cut_off ? ": cut off before its first image, or not a rawlog"
-                                       : ": no images in it"));
+      throw InputError(name + (cut_off
+                                   ? ": the file is cut off before its first image, or not a rawlog"
+                                   : ": there are no images in the file"));
     std::stable_sort(truth.begin(), truth.end(),
                      [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
     stream.close();
@@ -141,13 +143,13 @@ struct RawlogInput::Impl {
   }
 
   void add(const CObservation& obs, LiveInput* input) const {
-    mrpt::img::CImage::setImagesPathBase(images_folder);  // of the whole process
+    mrpt::img::CImage::setImagesPathBase(images_folder);  // holds for the whole process
     if (const auto image = imageOf(obs, camera ? &*camera : nullptr)) {
       LiveInput::View view;
       view.camera = image->camera;
       view.T_base_camera = image->T_base_camera;
       view.origin = name + ": " + originOf(obs);
-      // Copied: the observation is gone after this moment.
+      // The pixels are copied, because the observation does not live longer than this moment.
       view.image = image->pixels.clone();
       if (masks) view.mask = image->mask.clone();
       input->time = timeOf(obs);
@@ -191,8 +193,9 @@ bool RawlogInput::next(LiveInput* input, std::string* problem) {
   *input = {};
   problem->clear();
   if (!m.trusts_actions && !std::exchange(m.warned, true))
-    *problem = m.name + ": its odometry turns by more than 30 degrees at most steps, not used";
-  // What single observations of this moment are there.
+    *problem =
+        m.name + ": the odometry is not used, because most of its steps turn by more than 0.5 rad";
+  // Whether this moment already has an image or a range image from a single observation.
   bool has_image = false, has_depth = false;
   double time = 0;
   const auto use = [&](const CObservation& obs) {
@@ -216,7 +219,8 @@ bool RawlogInput::next(LiveInput* input, std::string* problem) {
     time = Impl::timeOf(obs);
     use(obs);
   };
-  // An image may be followed by the range image of its time only if there are any.
+  // The range image of an image may follow it. Without range images in the file, or without images,
+  // the moment is complete at once.
   while (!(isComplete() && (m.ranges == 0 || m.images == 0 || has_depth))) {
     const auto object = m.pending ? std::exchange(m.pending, nullptr) : m.read();
     if (!object) return isComplete();
@@ -244,7 +248,7 @@ bool RawlogInput::next(LiveInput* input, std::string* problem) {
         m.pending = obs;
         return true;
       } else {
-        // A range image without its image.
+        // The range image read before has no image, so it is left out.
         *input = {};
         has_image = has_depth = false;
         take(*obs);

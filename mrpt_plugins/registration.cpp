@@ -1,4 +1,4 @@
-// Makes our classes known to MRPT when the library is loaded, linked or preloaded.
+// Registers the classes of this library with MRPT when the library is loaded, linked or preloaded.
 #include <mrpt/core/initializer.h>
 #include <mrpt/rtti/CObject.h>
 

@@ -14,10 +14,10 @@ void spoil(const CameraFaults& faults, double time, uint64_t seed, cv::Mat* colo
     if (factor != 1) color->convertTo(*color, -1, factor);
     return;
   }
-  // The same noise on all channels: a sensor's channels are mixed when its mosaic is resolved.
+  // All channels get the same noise, because demosaicing mixes the channels of a real sensor.
   cv::RNG random(seed * 0x9e3779b97f4a7c15ull + 1);
   cv::Mat noise(color->size(), CV_16S), all;
-  random.fill(noise, cv::RNG::NORMAL, 0, 16 * faults.noise);  // in sixteenths of a level
+  random.fill(noise, cv::RNG::NORMAL, 0, 16 * faults.noise);  // unit: 1/16 grey level
   for (int y = 0; y < color->rows; ++y) {
     auto* pixel = color->ptr<cv::Vec3b>(y);
     const int16_t* n = noise.ptr<int16_t>(y);

@@ -1,4 +1,4 @@
-/// What a real camera does to a perfect picture.
+/// Spoils rendered images as a real camera does: brightness, noise, motion blur, dropped images.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -7,19 +7,22 @@
 
 namespace edge_mcl {
 
+/// Faults of a simulated camera, the key `faults` of a scenario.
 struct CameraFaults {
-  double noise = 2;            ///< standard deviation, grey levels
-  double exposure_swing = 0;   ///< the brightness wanders by up to this share, slowly
-  double exposure_period = 7;  ///< s
-  double exposure_time = 0;    ///< s; motion blur is the mean of `blur_steps` pictures over it
+  double noise = 2;            ///< standard deviation of the pixel noise, grey levels
+  double exposure_swing = 0;   ///< largest relative change of the brightness, see exposureAt()
+  double exposure_period = 7;  ///< period of the brightness, s
+  double exposure_time = 0;    ///< s; motion blur: the mean of `blur_steps` images in this time
   int blur_steps = 5;
   double dropped = 0;  ///< share of images that never arrive
 };
 
-/// Brightness factor at a time.
+/// Returns the brightness factor at a time (s): 1 + exposure_swing * sin(2 pi time / period).
 double exposureAt(const CameraFaults& faults, double time);
 
-/// Exposure and noise, in place. @param seed of this image's noise.
+/// Applies the brightness factor and the noise to an image in place. Motion blur and dropped images
+/// are the Simulator's work. @param time s. @param seed of the noise; every image has its own.
+/// @param color CV_8UC3.
 void spoil(const CameraFaults& faults, double time, uint64_t seed, cv::Mat* color);
 
 }  // namespace edge_mcl

@@ -12,8 +12,8 @@ CubicSpline::CubicSpline(std::vector<double> times, std::vector<double> values)
   if (n < 2 || values_.size() != n) throw Error("spline: at least two points are needed");
   for (size_t i = 1; i < n; ++i)
     if (!(times_[i] > times_[i - 1])) throw Error("spline: the times do not increase");
-  // Tridiagonal system for the second derivatives, zero at both ends (W. Press et al., "Numerical
-  // Recipes", 3.3), by elimination and back substitution.
+  // The second derivatives solve a tridiagonal system and are zero at both ends (W. Press et al.,
+  // "Numerical Recipes", 3.3). It is solved by elimination and back substitution.
   std::vector<double> upper(n, 0), right(n, 0);
   for (size_t i = 1; i + 1 < n; ++i) {
     const double h0 = times_[i] - times_[i - 1], h1 = times_[i + 1] - times_[i];

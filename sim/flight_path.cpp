@@ -13,7 +13,7 @@ void requireIncreasing(const std::vector<double>& times, const std::string& orig
   for (size_t i = 1; i < times.size(); ++i)
     if (!(times[i] > times[i - 1]))
       throw InputError(origin + ": the time of point " + std::to_string(i) +
-                       " is not later than that before it");
+                       " is not later than the time of the point before it");
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ FlightPath FlightPath::throughPoses(const Trajectory& poses, const std::string& 
     times.push_back(p.time);
     for (int k = 0; k < 3; ++k) values[k].push_back(p.pose.translation()[k]);
     Eigen::Vector4d q = Eigen::Quaterniond(p.pose.linear()).coeffs();
-    if (q.dot(last) < 0) q = -q;  // of the two signs, the one that goes on smoothly
+    if (q.dot(last) < 0) q = -q;  // both signs are the same rotation: take the nearer one
     for (int k = 0; k < 4; ++k) values[3 + k].push_back(q[k]);
     last = q;
   }
@@ -87,7 +87,7 @@ Pose FlightPath::at(double time) const {
 }
 
 Eigen::Vector3d FlightPath::angularVelocity(double time) const {
-  // Central difference; at 0.1 ms its error is far below any gyroscope's noise.
+  // Central difference. With a step of 0.1 ms its error is far below the noise of any gyroscope.
   constexpr double kStep = 1e-4;
   const Eigen::Matrix3d before = at(time - kStep).linear(), after = at(time + kStep).linear();
   return logSo3(before.transpose() * after) / (2 * kStep);

@@ -10,7 +10,7 @@ namespace edge_mcl {
 
 namespace {
 
-/// How much of a change is reached after a step, for a first-order lag.
+/// Share of a change that a first-order lag reaches after a step.
 double shareReached(double step, double time_constant) {
   return time_constant > 0 ? 1 - std::exp(-step / time_constant) : 1;
 }
@@ -42,7 +42,7 @@ bool LiveFlight::advance(double time) {
     time_ = time;
     return true;
   }
-  constexpr double kStep = 0.005;  // s; the lags are twenty times longer
+  constexpr double kStep = 0.005;  // s; 1/20 of the shortest default lag
   const Eigen::Matrix3d before = pose().linear();
   const double from = time_;
   bool free = true;
@@ -70,7 +70,7 @@ bool LiveFlight::advance(double time) {
       free = false;
     }
   }
-  constexpr double kShortest = 1e-6;  // s; of less only the rounding of attitudes would be seen
+  constexpr double kShortest = 1e-6;  // s; a shorter step would show only the rounding of attitudes
   if (time - from > kShortest)
     angular_velocity_ = logSo3(before.transpose() * pose().linear()) / (time - from);
   return free;

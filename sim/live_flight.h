@@ -1,4 +1,4 @@
-/// A multirotor that is flown by velocity commands.
+/// Simulates a multirotor that is flown by velocity commands.
 #pragma once
 
 #include <functional>
@@ -7,38 +7,42 @@
 
 namespace edge_mcl {
 
-/// How it answers to commands.
+/// How the multirotor responds to commands.
 struct FlightResponse {
   double max_speed = 2;          ///< m/s
   double max_acceleration = 3;   ///< m/s^2
   double max_yaw_rate = 1.5;     ///< rad/s
-  double velocity_time = 0.4;    ///< s, in which two thirds of a change of velocity are reached
-  double attitude_time = 0.1;    ///< s, in which two thirds of a tilt are reached
-  double command_timeout = 0.5;  ///< s without a command before it hovers
+  double velocity_time = 0.4;    ///< s until two thirds of a change of velocity are reached
+  double attitude_time = 0.1;    ///< s until two thirds of a change of tilt are reached
+  double command_timeout = 0.5;  ///< s without a command until the body hovers
 };
 
-/// Position and velocity, with an acceleration that lags behind what the command asks for; the
-/// thrust, along the body's z axis, makes the acceleration and carries the weight, so the body
-/// tilts. It stops at walls.
+/// State of the multirotor: position, velocity, acceleration, yaw and yaw rate. Acceleration and
+/// yaw rate lag behind the command. The thrust acts along the body's z axis, makes the acceleration
+/// and carries the weight, so the body tilts. The body stops at walls.
 class LiveFlight {
  public:
-  /// @param start its position and yaw. @param isFree whether the body may move from a to b.
+  /// @param start T_map_body; only its position and yaw are used. @param isFree whether the body
+  /// may move straight from a to b (map, m).
   LiveFlight(const Pose& start, const FlightResponse& response,
              std::function<bool(const Eigen::Vector3d& a, const Eigen::Vector3d& b)> isFree);
 
+  /// Sets the wanted velocity and yaw rate, cut to the limits of FlightResponse. @param time s.
   /// @param velocity m/s in the level frame that turns with the body (x forward, z up).
   /// @param yaw_rate rad/s. @throws InputError when a number is not finite.
   void command(double time, const Eigen::Vector3d& velocity, double yaw_rate);
-  /// Moves on to a time. @return false when a wall is in the way: it stands still there.
+  /// Moves on to a time (s). The first call only sets the clock. @return false when a wall was in
+  /// the way; the body stands still at the wall.
   bool advance(double time);
 
   /// T_map_body.
   Pose pose() const;
-  /// T_map_body shortly before or after, as it moves and turns now.
+  /// T_map_body at a time shortly before or after now, extrapolated with the present velocity and
+  /// angular velocity.
   Pose poseNear(double time) const;
-  Eigen::Vector3d velocity() const { return velocity_; }          ///< map axes
-  Eigen::Vector3d acceleration() const { return acceleration_; }  ///< map axes
-  /// Body axes, mean over the last step that was not very short.
+  Eigen::Vector3d velocity() const { return velocity_; }          ///< map axes, m/s
+  Eigen::Vector3d acceleration() const { return acceleration_; }  ///< map axes, m/s^2
+  /// Body axes, rad/s; mean over the last call of advance() that was longer than 1 us.
   Eigen::Vector3d angularVelocity() const { return angular_velocity_; }
 
  private:

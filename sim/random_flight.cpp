@@ -10,9 +10,10 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr double kSpare = 0.2;  // waypoints keep so much more, as the path swings out between them
+// m; additional clearance of waypoints, because the path swings out between them.
+constexpr double kSpare = 0.2;
 
-/// Whether there is something on all six sides.
+/// Whether rays in all six axis directions meet the building.
 bool isInside(const Scene& scene, const Eigen::Vector3d& point) {
   Eigen::Vector3f directions[6];
   SceneHit hits[6];
@@ -24,7 +25,7 @@ bool isInside(const Scene& scene, const Eigen::Vector3d& point) {
   return std::all_of(hits, hits + 6, [](const SceneHit& h) { return h.any(); });
 }
 
-/// Of the part of the path after `from`.
+/// Whether the path keeps its clearance from the time `from` on.
 bool keepsClear(const Scene& scene, const FlightPath& path, double from, double clearance) {
   constexpr double kStep = 0.05;  // seconds
   Eigen::Vector3d last = path.at(from).translation();
@@ -59,7 +60,7 @@ FlightPath randomFlight(const Scene& scene, const RandomFlight& request,
   while (points.empty() || points.back().time < request.duration) {
     if (++tries > kMostTries)
       throw InputError(origin +
-                       ": no random flight of that length and clearance is found; is the "
+                       ": no random flight of this duration and clearance was found; is the "
                        "model closed?");
     const Eigen::Vector3d candidate = anywhere();
     if (points.empty()) {
@@ -70,16 +71,18 @@ FlightPath randomFlight(const Scene& scene, const RandomFlight& request,
     }
     const Waypoint& last = points.back();
     const Eigen::Vector3d way = candidate - last.position;
-    // Far enough to move, near enough to stay in the room's free part, rather level.
+    // The next waypoint is far enough to move, near enough to stay in the free part of the room,
+    // and at most 30 degrees up or down.
     if (way.norm() < 0.4 || way.norm() > 3 || std::abs(way.z()) > 0.5 * way.norm()) continue;
     if (!isFree(candidate) || scene.blocked(last.position.cast<float>(), candidate.cast<float>()))
       continue;
     const double towards = std::atan2(way.y(), way.x()) + 0.6 * random.normal();
     const double turn = std::clamp(std::remainder(towards - heading, 2 * M_PI), -1.2, 1.2);
-    // Turning takes time, too: at most about 0.6 rad/s.
+    // Turning takes time, too: the mean yaw rate is at most 0.6 rad/s.
     const double time = std::max(way.norm() / request.speed, std::abs(turn) / 0.6);
     points.push_back({last.time + time, candidate, heading + turn});
-    // The last waypoint but two changes the path too little to matter; look at all after it.
+    // A new waypoint hardly changes the path before the fourth last one, so only the path after
+    // that one is checked.
     const double from = points[points.size() > 3 ? points.size() - 4 : 0].time;
     if (keepsClear(scene, FlightPath::throughWaypoints(points, true, origin), from,
                    request.clearance)) {

@@ -16,9 +16,9 @@ constexpr int kTile = 4;  // side of a packet, pixels
 static_assert(kTile * kTile == Scene::kPacket, "a tile is a packet");
 constexpr uint16_t kNothing = 65535;
 
-/// What tells the surface of one pixel from that of the next.
+/// Surface that a pixel shows; outlines are where neighbouring pixels show different surfaces.
 struct Surface {
-  float depth;  // 0: nothing there
+  float depth;  // 0: the ray meets nothing
   uint32_t object, face;
 };
 
@@ -29,7 +29,7 @@ inline bool differ(const Scene& scene, const Surface& a, const Surface& b) {
   if (a.object != b.object || scene.color(a.object, a.face) != scene.color(b.object, b.face))
     return true;
   if (scene.ownNormal(a.object, a.face).dot(scene.ownNormal(b.object, b.face)) < 0.999f)
-    return true;  // 2.6 degrees
+    return true;  // the normals differ by more than 2.6 degrees
   return std::abs(a.depth - b.depth) > 0.1f * std::min(a.depth, b.depth);
 }
 
@@ -55,8 +55,8 @@ Eigen::Vector3f Renderer::shade(const Eigen::Vector3f& eye, const Eigen::Vector3
                                 const SceneHit& hit) const {
   if (!hit.any()) return Eigen::Vector3f::Constant(0.05f);
   const Eigen::Vector3f point = eye + hit.distance * direction;
-  // Faces of different direction differ in ambient light, too, as they see different parts of a
-  // room.
+  // The ambient light depends on the face's direction, too, because faces see different parts of
+  // the room.
   const Eigen::Vector3f& n = hit.normal;
   auto light =
       static_cast<float>(lighting_.ambient) * (1 + 0.18f * n.z() + 0.10f * n.x() - 0.06f * n.y());
@@ -103,7 +103,7 @@ RenderedImage Renderer::render(const Pose& T_map_camera) const {
         const cv::Point p = pixelOf(i);
         if (p.x >= width || p.y >= height) continue;
         const SceneHit& hit = hits[i];
-        // Directions have length one along the optical axis.
+        // The distance is the depth, because directions have length 1 along the optical axis.
         out.depth.at<float>(p) = hit.any() ? hit.distance : 0;
         out.object.at<uint16_t>(p) = hit.any() ? static_cast<uint16_t>(hit.object) : kNothing;
         out.color.at<cv::Vec3b>(p) = toPixel(shade(eye, directions[i], hit));
@@ -113,8 +113,7 @@ RenderedImage Renderer::render(const Pose& T_map_camera) const {
     }
   });
 
-  // Outlines between a pixel and its neighbours to the right and below: every pair is compared
-  // once.
+  // Outlines between a pixel and its right and lower neighbours. So every pair is compared once.
   constexpr uint8_t kRight = 1, kBelow = 2;
   LargeBuffer<uint8_t> outline(static_cast<size_t>(width) * height);
   tbb::parallel_for(0, height, [&](int y) {

@@ -1,7 +1,8 @@
-/// Colour, depth and object images of a scene by ray casting.
+/// Renders colour, depth and object images of a scene by ray casting.
 ///
-/// Rays instead of a rasteriser: every camera model's distortion is exact, depth and object numbers
-/// are those of the very ray through the pixel's centre, and no display or GPU is needed.
+/// Reasons for rays instead of a rasteriser: the distortion of every camera model is exact, depth
+/// and object number belong to the ray through the centre of the pixel, and neither a display nor a
+/// GPU is needed.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -14,24 +15,27 @@ namespace edge_mcl {
 
 /// Where the light comes from.
 struct Lighting {
-  double ambient = 0.45;  ///< share that comes from everywhere
-  /// Lamps, map frame, metres; empty: one under the middle of the ceiling.
+  double ambient = 0.45;  ///< share of the light that comes from all directions
+  /// Positions of lamps, map frame, metres; empty: one lamp under the middle of the ceiling.
   std::vector<Eigen::Vector3f> lamps;
   bool shadows = false;
 };
 
+/// Images of one camera pose, all of the camera's size.
 struct RenderedImage {
   cv::Mat color;   ///< CV_8UC3, blue green red
-  cv::Mat depth;   ///< CV_32F, metres along the optical axis; 0: nothing there
-  cv::Mat object;  ///< CV_16U, 0: building, k: object k - 1, 65535: nothing there
+  cv::Mat depth;   ///< CV_32F, metres along the optical axis; 0: the ray meets nothing
+  cv::Mat object;  ///< CV_16U, 0: building, k: object k - 1, 65535: the ray meets nothing
 };
 
+/// Renders a scene for one camera.
 class Renderer {
  public:
+  /// @param scene must outlive this object.
   Renderer(const Scene& scene, const CameraModel& camera, Lighting lighting);
 
-  /// The scene as it was last committed. Pixels on the outline of a face are the mean of sixteen
-  /// rays, others one ray.
+  /// Renders the scene in the state of its last commit(). The colour of a pixel on the outline of a
+  /// face is the mean of 16 rays, the colour of any other pixel comes from one ray.
   RenderedImage render(const Pose& T_map_camera) const;
 
  private:

@@ -5,7 +5,9 @@
 #include <functional>
 #include <map>
 
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/base/parameter_struct.h"
 #include "edge_mcl/core/base/parameters.h"
 #include "edge_mcl/core/base/yaml_file.h"
 
@@ -13,9 +15,7 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
-/// Reads the keys of one YAML map; every key must be known.
+/// Reads the keys of one YAML map. A key that nobody reads is a fault.
 class KeyReader {
  public:
   KeyReader(const YAML::Node& node, std::string where) : node_(node), where_(std::move(where)) {
@@ -37,7 +37,7 @@ class KeyReader {
     if (!node_[key]) throw InputError(where_ + ": key '" + key + "' is missing");
     return optional(key, value);
   }
-  /// Call after all keys.
+  /// Must be called after all keys are read. @throws InputError for an unknown key.
   void finish() const {
     for (const auto& entry : node_) {
       const auto key = entry.first.as<std::string>();

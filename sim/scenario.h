@@ -1,4 +1,4 @@
-/// A flight as described by a YAML file: model, camera, path, moving objects, faults, noise.
+/// Reads the YAML description of a simulated flight: model, camera, path, objects, faults, noise.
 #pragma once
 
 #include <string>
@@ -12,24 +12,26 @@
 
 namespace edge_mcl {
 
-/// Something that is not in the map.
+/// An object that is not in the map.
 struct MovableObject {
   std::string name;
   std::string model_file;
-  FlightPath path;  ///< of its origin, level; constant before and after
+  FlightPath path;  ///< T_map_object, level; before and after the path the object stands still
 };
 
+/// All settings of a simulated flight.
 struct Scenario {
   std::string file;        ///< named in errors
   std::string model_file;  ///< the building, which becomes the map
   CameraModel camera;
-  double mount_pitch_deg = 0;  ///< the camera looks down by so much
+  double mount_pitch_deg = 0;  ///< angle by which the camera looks down
   double rate = 30;            ///< images per second
-  FlightPath path;  ///< of the body (x forward, z up), or of the camera for recorded poses
+  /// T_map_body (x forward, z up). For the key `trajectory` (recorded poses): T_map_camera.
+  FlightPath path;
   bool path_is_of_camera = false;
-  /// Instead of a path: made by the simulator when the duration is not zero.
+  /// Random flight in place of a path. The simulator makes it when the duration is not 0.
   double random_duration = 0, random_speed = 0.8;  ///< s, m/s
-  double clearance = 0.15;                         ///< m; the path keeps so far from every face
+  double clearance = 0.15;  ///< m; smallest distance from the path to any face of the building
   std::vector<MovableObject> objects;
   Lighting lighting;
   CameraFaults faults;
@@ -38,10 +40,13 @@ struct Scenario {
   double depth_scale = 5000;  ///< units of the depth images per metre
   uint64_t seed = 1;
 
-  /// @throws InputError naming file, key and fault; unknown keys are faults.
+  /// Reads a scenario. Paths in the file are relative to its folder.
+  /// @throws InputError with file, key and fault; an unknown key is a fault.
   static Scenario fromYamlFile(const std::string& file);
 
+  /// Mounting of the camera: forward, pitched down by mount_pitch_deg.
   Pose T_body_camera() const;
+  /// T_map_camera at a time (s).
   Pose cameraAt(double time) const;
 };
 

@@ -19,7 +19,7 @@ double distanceToTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
   const double area2 = n.squaredNorm();
   if (area2 > 0) {
     const double u = n.dot(ab.cross(p - a)) / area2, v = n.dot((p - a).cross(ac)) / area2;
-    // u weighs c, v weighs b.
+    // Barycentric coordinates: u is the weight of c, v the weight of b.
     if (u >= 0 && v >= 0 && u + v <= 1) return std::abs(n.dot(p - a)) / std::sqrt(area2);
   }
   const auto toSegment = [&](const Eigen::Vector3d& s, const Eigen::Vector3d& e) {
@@ -38,15 +38,15 @@ struct Scene::Impl {
     MeshModel mesh;
     RTCScene scene = nullptr;
     RTCGeometry instance = nullptr;
-    std::vector<Eigen::Vector3f> own_normals;  // of the faces
+    std::vector<Eigen::Vector3f> own_normals;  // of the faces, in the axes of the mesh
     struct Face {
       Eigen::Vector3f normal, color;  // map axes
     };
-    std::vector<Face> faces;  // as placed
+    std::vector<Face> faces;  // in the present pose of the part
   };
   RTCDevice device = nullptr;
-  RTCScene top = nullptr;   // instances only, so that moving one costs little
-  std::vector<Part> parts;  // the building, then the objects
+  RTCScene top = nullptr;   // holds only instances, so that moving one is cheap
+  std::vector<Part> parts;  // first the building, then the objects
 
   ~Impl() {
     for (Part& part : parts) {

@@ -33,8 +33,8 @@ ImuReading ImuSensor::read(double time, const Eigen::Matrix3d& body_to_map,
                            const Eigen::Vector3d& turn, const Eigen::Vector3d& acceleration) {
   const double dt = 1 / noise_.rate, root = std::sqrt(noise_.rate);
   const Eigen::Vector3d up(0, 0, FlightPath::kGravity);
-  // White noise of density d sampled at rate f has standard deviation d sqrt(f); a walk of
-  // density d grows by d sqrt(dt) a step.
+  // White noise of density d that is sampled at rate f has the standard deviation d sqrt(f). A step
+  // of a random walk of density d has the standard deviation d sqrt(dt).
   ImuReading reading{time, turn + turn_bias_,
                      body_to_map.transpose() * (acceleration + up) + force_bias_};
   reading.angular_velocity += noise_.gyroscope * root * normal();

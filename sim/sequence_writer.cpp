@@ -25,7 +25,7 @@ std::string stamp(double time) {
   return text;
 }
 
-/// Any text as a YAML scalar.
+/// Returns a text as a quoted YAML scalar.
 std::string quoted(const std::string& text) {
   YAML::Emitter out;
   out << YAML::DoubleQuoted << text;
@@ -52,10 +52,10 @@ std::string cameraYaml(const CameraModel& c) {
   return out.str();
 }
 
-/// The faces by material; of whatever format the model came in.
+/// Returns the mesh as OBJ text, sorted by material. The model file itself may have another format.
 std::string objOf(const MeshModel& mesh) {
   std::ostringstream out;
-  out.precision(9);  // gives every float back
+  out.precision(9);  // enough digits to read back the same float
   for (const Eigen::Vector3f& v : mesh.vertices)
     out << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
   std::vector<size_t> order(mesh.triangles.size());
@@ -95,13 +95,15 @@ SequenceWriter::SequenceWriter(std::string directory, const RecordingSetup& setu
   std::string list, word;
   while (numbers >> word) list += (list.empty() ? "" : ", ") + word;
   const fs::path full = fs::absolute(root).lexically_normal();
-  const fs::path named = full.has_filename() ? full : full.parent_path();  // "out/" is "out", too
+  const fs::path named =
+      full.has_filename() ? full : full.parent_path();  // "out/" is named "out", too
   std::ostringstream description;
-  description << "name: " << quoted(named.filename().string())
-              << "\nsource: edge-mcl simulate\nlicence: that of the model\nreal: false\nup_axis: z"
-              << "\ndepth_scale: " << setup.depth_scale << "\ninitial_pose: [" << list
-              << "]\ninitial_std: [" << setup.initial_std_position << ", "
-              << setup.initial_std_angle << "]\nnotes:\n";
+  description
+      << "name: " << quoted(named.filename().string())
+      << "\nsource: edge-mcl simulate\nlicence: the licence of the model\nreal: false\nup_axis: z"
+      << "\ndepth_scale: " << setup.depth_scale << "\ninitial_pose: [" << list
+      << "]\ninitial_std: [" << setup.initial_std_position << ", " << setup.initial_std_angle
+      << "]\nnotes:\n";
   for (const std::string& note : notes) description << "  - " << quoted(note) << "\n";
   writeText("sequence.yaml", description.str());
   const auto open = [&](std::ofstream* stream, const char* name, const char* header) {
@@ -123,7 +125,7 @@ void SequenceWriter::writeFile(const std::string& name, const std::vector<uint8_
   out.close();
   if (out) return;
   std::error_code ignored;
-  fs::remove(file, ignored);  // no half images
+  fs::remove(file, ignored);  // leave no incomplete image
   throw InputError(file.string() + ": cannot be written (disk full?); " + std::to_string(count_) +
                    " images are complete");
 }
@@ -134,7 +136,8 @@ void SequenceWriter::writeText(const std::string& name, const std::string& text)
 
 void SequenceWriter::writeImage(const std::string& name, const cv::Mat& image) {
   std::vector<uint8_t> bytes;
-  // Without a level OpenCV takes libpng's fastest and one row filter instead of trying all.
+  // Without a compression level OpenCV uses the fastest level of libpng, and one row filter instead
+  // of trying all.
   cv::imencode(".png", image, bytes,
                {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY});
   writeFile(name, bytes);
@@ -161,7 +164,7 @@ void SequenceWriter::write(const RecordedFrame& frame) {
   if (frame.odometry) append(&odometry_, "odometry.txt", formatPose(time, *frame.odometry));
   append(&depth_, "depth.txt", time + " " + depth);
   append(&mask_, "mask.txt", time + " " + mask);
-  // Last: what rgb.txt lists is there in full.
+  // rgb.txt comes last: all files of an image that it lists are complete.
   append(&rgb_, "rgb.txt", time + " " + rgb);
   ++count_;
 }

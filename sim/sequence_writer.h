@@ -1,4 +1,4 @@
-/// Writes a sequence directory, image by image, so that it is readable at any time.
+/// Writes a sequence directory image by image. The directory is readable at any time.
 #pragma once
 
 #include <fstream>
@@ -10,14 +10,16 @@
 
 namespace edge_mcl {
 
-/// The layout is that of docs/sequences.md, with depth and imu.txt. An image is listed once its
-/// file is complete, so an interrupted recording is a valid, shorter one.
+/// Writes the layout of docs/sequences.md, with depth and imu.txt. An image is listed only after
+/// its file is complete, so an interrupted recording is a valid, shorter sequence.
 class SequenceWriter : public Recorder {
  public:
-  /// @param directory is made; must not hold any file of a sequence already.
+  /// Makes the directory and writes model, camera and description. @param directory must not hold
+  /// any file of a sequence. @param notes lines for sequence.yaml. @throws InputError otherwise, or
+  /// when something cannot be written.
   SequenceWriter(std::string directory, const RecordingSetup& setup, const std::string& model_file,
                  const std::vector<std::string>& notes);
-  /// Needs everything but the poses.
+  /// Writes one image with its depth image, mask and poses. Only the poses may be missing.
   void write(const RecordedFrame& frame) override;
   void writeImu(const std::vector<ImuReading>& readings) override;
   void close() override {}

@@ -22,7 +22,7 @@ Simulator::Simulator(Scenario scenario)
   image_count_ = static_cast<size_t>(std::floor(
                      (scenario_.path.end() - scenario_.path.begin()) * scenario_.rate + 1e-6)) +
                  1;
-  checkPath();  // against the building alone: objects may be passed through
+  checkPath();  // before objects are added: the path may lead through objects
   for (const MovableObject& object : scenario_.objects)
     scene_->addObject(loadMesh(object.model_file, {}));
   renderer_ = std::make_unique<Renderer>(*scene_, scenario_.camera, scenario_.lighting);
@@ -38,7 +38,8 @@ void Simulator::checkPath() const {
     std::snprintf(text, sizeof text, "%.2f s", time);
     throw InputError(scenario_.file + ": the path " + what + " at " + text);
   };
-  // Between images far apart a straight line may cut a corner that the path goes round.
+  // The path is checked in short steps: between images that are far apart, a straight line may cut
+  // a corner that the path goes round.
   constexpr double kStep = 0.05;  // s
   const auto steps = static_cast<size_t>(std::max(1.0, std::ceil(1 / (scenario_.rate * kStep))));
   Eigen::Vector3d last = scenario_.cameraAt(timeOf(0)).translation();
@@ -134,7 +135,7 @@ bool Simulator::take(double time, const std::function<Pose(double)>& cameraAt, b
   const CameraFaults& faults = scenario_.faults;
   RenderedImage image = renderAt(time, *frame->truth);
   if (faults.exposure_time > 0 && faults.blur_steps > 1) {
-    // The stamp is the middle of the exposure; depth and mask are of that moment.
+    // The time stamp is the middle of the exposure. Depth image and mask belong to this time.
     cv::Mat sum = cv::Mat::zeros(image.color.size(), CV_32FC3);
     for (int k = 0; k < faults.blur_steps; ++k) {
       const double offset = (k + 0.5) / faults.blur_steps - 0.5;

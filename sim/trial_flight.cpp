@@ -17,7 +17,8 @@ TrialKind trialKind(const std::string& name) {
 
 namespace {
 
-/// Not every seed finds a flight in a narrow building: then the next one.
+/// Makes the simulator of a random flight. In a narrow building a seed may find no flight; then it
+/// tries up to four other seeds.
 std::unique_ptr<Simulator> flight(const std::string& file, uint64_t seed, double rate,
                                   size_t images) {
   constexpr int kAttempts = 5;
@@ -56,7 +57,8 @@ bool TrialFlight::next(RecordedFrame* frame) {
   const bool carried = kind_ == TrialKind::kKidnap && taken_ >= event_;
   Simulator& simulator = carried ? *second_ : *first_;
   simulator.next(frame);
-  // Its first increment after it was carried away says that it did not move.
+  // After the robot was carried away, the first increment of the odometry says that it did not
+  // move.
   const bool arrives = carried && taken_ == event_;
   Pose increment = Pose::Identity();
   if (last_raw_ && !arrives) increment = last_raw_->inverse() * *frame->odometry;

@@ -1,4 +1,4 @@
-/// A random flight through a building in which something goes wrong, moment by moment.
+/// Simulates a random flight through a building with one fault, for trials of the localizer.
 #pragma once
 
 #include <memory>
@@ -10,27 +10,35 @@
 
 namespace edge_mcl {
 
+/// What goes wrong. kGlobal, kOffset and kTrack fly alike; only the start pose that the caller
+/// gives to the localizer differs.
 enum class TrialKind {
-  kGlobal,    ///< nothing is known at the start
-  kOffset,    ///< the start is known badly
-  kKidnap,    ///< carried elsewhere, unnoticed by the odometry
-  kBlackout,  ///< no light for a while, and the odometry drifts
+  kGlobal,    ///< the start pose is unknown
+  kOffset,    ///< the start pose has a large error
+  kKidnap,    ///< the robot is carried to another place, and the odometry does not notice
+  kBlackout,  ///< images are black for a while, and the odometry drifts
   kTrack      ///< nothing goes wrong
 };
 
-/// @throws ParameterError on an unknown name.
+/// Returns the kind by its name: global, offset, kidnap, blackout or track.
+/// @throws ParameterError for any other name.
 TrialKind trialKind(const std::string& name);
 
+/// A random flight with the fault of a trial.
 class TrialFlight {
  public:
-  /// @param images of the flight. @param event number of the image at which it goes wrong (kidnap,
-  /// blackout). @throws InputError
+  /// @param scenario YAML file; its path is replaced by a random flight. @param rate images per
+  /// second. @param images number of images. @param event number of the first image with the fault
+  /// (kidnap, blackout). @param blackout_seconds duration of the blackout. @param drift error that
+  /// the odometry gains during the blackout, m. @throws InputError when no flight is found or a
+  /// file cannot be read.
   TrialFlight(const std::string& scenario, TrialKind kind, uint64_t seed, double rate,
               size_t images, size_t event, double blackout_seconds, double drift);
 
   const CameraModel& camera() const { return first_->scenario().camera; }
   double depthScale() const { return first_->scenario().depth_scale; }  ///< units per metre
-  /// The next image, with depth, truth, odometry (T_odom_camera), mask. @return false at the end.
+  /// Gives the next image with depth, mask, ground truth and odometry (T_odom_camera).
+  /// @return false at the end.
   bool next(RecordedFrame* frame);
 
  private:

@@ -27,7 +27,7 @@ Radial radialFactor(const CameraModel& camera, double r2) {
   return {num / den, (num_d * den - num * den_d) / (den * den)};
 }
 
-/// theta_d and its derivative by theta.
+/// Distorted angle theta_d and its derivative by theta.
 Radial equidistantAngle(const CameraModel& camera, double theta) {
   const auto& k = camera.coefficients;
   const double t2 = theta * theta;
@@ -36,10 +36,11 @@ Radial equidistantAngle(const CameraModel& camera, double theta) {
   return {value, slope};
 }
 
-/// Beyond this angle to the optical axis nothing is projected; radians, just below 90 degrees.
+/// Largest angle to the optical axis at which points are projected, radians. It is just below 90
+/// degrees.
 constexpr double kWidest = 1.55;
 
-/// First radius (or angle) at which the distorted radius stops growing, squared.
+/// Square of the first radius (equidistant: angle) at which the distorted radius stops growing.
 double monotoneLimit2(const CameraModel& camera) {
   constexpr double kStep = 1e-3;
   if (camera.distortion == DistortionModel::kNone) return 1e12;
@@ -51,14 +52,15 @@ double monotoneLimit2(const CameraModel& camera) {
   }
   for (double r = kStep; r < 20; r += kStep) {
     const Radial f = radialFactor(camera, r * r);
-    // Beyond a pole of the rational model the radius grows, too, on the other side of the image.
+    // The factor is checked, too: beyond a pole of the rational model the radius also grows, but on
+    // the other side of the image.
     if (!(f.factor > 0 && f.factor + 2 * r * r * f.derivative > 0)) return r * r;
   }
   return 400;
 }
 
-/// Angle to the optical axis of the ray at a distorted normalised radius, without tangential
-/// distortion; by bisection.
+/// Angle to the optical axis of the ray that has a given distorted normalised radius, by bisection.
+/// Tangential distortion is not considered.
 double undistortedAngle(const CameraModel& camera, double distorted_radius) {
   double low = 0, high = kWidest;
   for (int i = 0; i < 50; ++i) {
@@ -77,13 +79,13 @@ double undistortedAngle(const CameraModel& camera, double distorted_radius) {
   return high;
 }
 
-/// From rays all along the border of the image.
+/// Bounds of the view, from rays along the whole border of the image.
 CameraModel::View viewOf(const CameraModel& camera) {
   CameraModel::View view{0, 0, 0, 0, 0};
   const auto add = [&](double u, double v) {
     const double tx = (u - camera.cx) / camera.fx, ty = (v - camera.cy) / camera.fy;
     const double radius = std::max(1e-9, std::hypot(tx, ty));
-    // Tangential distortion shifts a corner by a few pixels; one degree covers it.
+    // Tangential distortion shifts a corner by a few pixels. One degree covers it.
     const double angle = std::min(undistortedAngle(camera, radius) + 0.02, 1.57);
     const double x = tx / radius * std::tan(angle), y = ty / radius * std::tan(angle);
     view.angle = std::max(view.angle, angle);
@@ -92,7 +94,7 @@ CameraModel::View viewOf(const CameraModel& camera) {
     view.y_min = std::min(view.y_min, y - 0.02);
     view.y_max = std::max(view.y_max, y + 0.02);
   };
-  constexpr int kRays = 32;  // per side
+  constexpr int kRays = 32;  // per side of the image
   for (int i = 0; i <= kRays; ++i) {
     const double u = (camera.width - 1.0) * i / kRays, v = (camera.height - 1.0) * i / kRays;
     add(u, 0);
@@ -205,9 +207,10 @@ CameraModel CameraModel::fromFields(int width, int height, const std::array<doub
                      "' is unknown (plumb_bob, rational_polynomial, equidistant)");
   }
   if (std::any_of(d + std::min(most, d_size), d + d_size, [](double c) { return c != 0; }))
-    throw InputError(origin + ": " + std::to_string(d_size) + " distortion coefficients, " +
-                     (distortion_model.empty() ? "no distortion_model" : distortion_model) +
-                     " has " + std::to_string(most));
+    throw InputError(
+        origin + ": " + std::to_string(d_size) + " distortion coefficients are given, but " +
+        (distortion_model.empty() ? "a camera without distortion_model" : distortion_model) +
+        " has " + std::to_string(most));
   for (size_t i = 0; i < std::min(most, d_size); ++i) camera.coefficients[i] = d[i];
   if (k[1] != 0 || k[8] != 1)
     throw InputError(origin + ": camera_matrix has skew or a last element other than 1");

@@ -8,56 +8,65 @@
 
 namespace edge_mcl {
 
+/// Lens distortion models, see CameraModel.
 enum class DistortionModel { kNone, kPlumbBob, kRationalPolynomial, kEquidistant };
 
-/// Intrinsics; the camera frame is optical (x right, y down, z forward), the centre of the
-/// top-left pixel is (0, 0).
+/// Intrinsics of a camera. The camera frame is optical (x right, y down, z forward). The centre of
+/// the top-left pixel is (0, 0).
 ///
-/// Distortion, with (x, y) = (X/Z, Y/Z) and r2 = x^2 + y^2, as in the OpenCV documentation:
+/// Distortion models, with (x, y) = (X/Z, Y/Z) and r2 = x^2 + y^2, as in the OpenCV documentation:
 ///  - plumb_bob, coefficients (k1 k2 p1 p2 k3);
 ///  - rational_polynomial (k1 k2 p1 p2 k3 k4 k5 k6);
 ///  - equidistant (k1 k2 k3 k4): theta_d = theta (1 + k1 theta^2 + ... + k4 theta^8).
 struct CameraModel {
-  int width = 0;   ///< pixels
-  int height = 0;  ///< pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;
+  int width = 0;                          ///< pixels
+  int height = 0;                         ///< pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
   DistortionModel distortion = DistortionModel::kNone;
   std::array<double, 8> coefficients{};
-  /// Points with r2 (equidistant: theta^2) beyond this are outside the monotone part of the
-  /// distortion: they would fold back into the image. Set by validate().
+  /// Limit of r2 (equidistant: theta^2). Points beyond it are outside the monotone part of the
+  /// distortion and would fold back into the image. Set by validate().
   double max_radius2 = 1e12;
-  /// Bounds of what the image shows; generous, for culling. Set by validate().
+  /// Generous bounds of the directions that the image shows, for culling. Set by validate().
   struct View {
     double angle = M_PI;  ///< largest angle between the optical axis and a ray, radians
     double x_min = -1e6, x_max = 1e6, y_min = -1e6, y_max = 1e6;  ///< of X/Z and Y/Z
   } view;
 
-  /// Checks the numbers and computes max_radius2 and view. @throws InputError listing every fault.
+  /// Checks the numbers and computes max_radius2 and view. If all coefficients are 0, plumb_bob and
+  /// rational_polynomial become kNone.
+  /// @param origin named in errors.
+  /// @throws InputError that lists every fault.
   void validate(const std::string& origin);
 
-  /// Projects a point of the camera frame.
-  /// @param jacobian optional d(u, v) / d(X, Y, Z).
-  /// @return false when the point is behind the camera or outside the valid cone; the pixel may
-  ///   still lie outside the image.
+  /// Projects a point of the camera frame (metres) to a pixel.
+  /// @param jacobian optional: d(u, v) / d(X, Y, Z).
+  /// @return false when the point is closer than kMinDepth, behind the camera, or outside the valid
+  ///   cone. The pixel of a projected point may lie outside the image.
   bool project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel,
                Eigen::Matrix<double, 2, 3>* jacobian = nullptr) const;
 
-  /// max_radius2 in terms of (X/Z)^2 + (Y/Z)^2 for every distortion model.
+  /// max_radius2 as a limit of (X/Z)^2 + (Y/Z)^2, for every distortion model.
   double maxPlaneRadius2() const;
 
+  /// Whether a pixel is inside the image.
   bool contains(const Eigen::Vector2d& pixel) const {
     return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= width - 1 && pixel.y() <= height - 1;
   }
 
-  /// Reads the YAML that ROS's camera_calibration writes.
-  /// @throws InputError naming the file and the missing or wrong key.
+  /// Reads the YAML file that ROS's camera_calibration writes.
+  /// @throws InputError that names the file and the missing or wrong key.
   static CameraModel fromYamlFile(const std::string& file);
-  /// From the fields of a camera_info message. @param origin named in errors.
+  /// Makes a camera from the fields of a camera_info message.
+  /// @param k camera matrix, row-major.
+  /// @param d distortion coefficients, `d_size` of them.
+  /// @param origin named in errors.
+  /// @throws InputError when a field is wrong.
   static CameraModel fromFields(int width, int height, const std::array<double, 9>& k,
                                 const std::string& distortion_model, const double* d, size_t d_size,
                                 const std::string& origin);
 
-  /// Depth below which nothing is projected, metres.
+  /// Depth up to which nothing is projected, metres.
   static constexpr double kMinDepth = 0.01;
 };
 

@@ -15,7 +15,8 @@ bool unproject(const CameraModel& camera, const Eigen::Vector2d& pixel, Eigen::V
   constexpr double kClose = 1e-7;  // pixels
   const Eigen::Vector2d plain((pixel.x() - camera.cx) / camera.fx,
                               (pixel.y() - camera.cy) / camera.fy);
-  // A fisheye's angle stands for a longer radius.
+  // In a fisheye image the distance from the centre tells the angle. The radius to start from is
+  // the tangent of the angle.
   const double angle = std::min(plain.norm(), 1.5);
   Eigen::Vector2d at = plain;
   if (camera.distortion == DistortionModel::kEquidistant && angle > 1e-9)
@@ -32,7 +33,7 @@ bool unproject(const CameraModel& camera, const Eigen::Vector2d& pixel, Eigen::V
       *ray = at;
       return true;
     }
-    if (error >= last) {  // half the last step
+    if (error >= last) {  // halve the last step
       damping *= 0.5;
       at -= damping * step;
       if (damping < 1e-4) return false;

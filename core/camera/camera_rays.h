@@ -1,4 +1,4 @@
-/// The ray of every pixel, for any camera model.
+/// The rays of all pixels, for any camera model.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,17 +8,20 @@
 
 namespace edge_mcl {
 
-/// Inverse of CameraModel::project, computed once: (X/Z, Y/Z) of every pixel's centre.
+/// Table of the rays (X/Z, Y/Z) through the centres of all pixels. It is the inverse of
+/// CameraModel::project(), computed once.
 class CameraRays {
  public:
+  /// Computes all rays.
   /// @throws InputError when the distortion of more than a tenth of the pixels has no inverse.
   explicit CameraRays(const CameraModel& camera);
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// NaN where the model shows nothing (outside the monotone part of the distortion).
+  /// Ray of a pixel. It is NaN where the pixel has no ray (outside the monotone part of the
+  /// distortion).
   const Eigen::Vector2f& at(int x, int y) const { return rays_[index(x, y)]; }
-  /// How the ray changes per pixel to the right and per pixel down.
+  /// Change of the ray per pixel to the right (by_x) and per pixel down (by_y).
   struct Slope {
     Eigen::Vector2f by_x, by_y;
   };
@@ -30,7 +33,7 @@ class CameraRays {
   std::vector<Eigen::Vector2f> rays_;
 };
 
-/// (X/Z, Y/Z) of a pixel, by Newton's method. @return false where it has none.
+/// Computes (X/Z, Y/Z) of a pixel, by Newton's method. @return false where the pixel has no ray.
 bool unproject(const CameraModel& camera, const Eigen::Vector2d& pixel, Eigen::Vector2d* ray);
 
 }  // namespace edge_mcl

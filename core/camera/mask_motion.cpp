@@ -7,8 +7,8 @@ namespace edge_mcl {
 
 cv::Mat turnMask(const cv::Mat& mask, const CameraModel& camera,
                  const Eigen::Matrix3d& R_now_then) {
-  // The homography of a turning pinhole camera. Lens distortion bends it by less than masks are
-  // dilated by.
+  // This is the homography of a pinhole camera that turns. Lens distortion changes it by less than
+  // the dilation of masks.
   Eigen::Matrix3d k;
   k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
   const Eigen::Matrix3d h = k * R_now_then * k.inverse();

@@ -1,4 +1,4 @@
-/// An older mask, carried over to a newer image.
+/// Transfer of an older mask to a newer image.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,9 +8,10 @@
 
 namespace edge_mcl {
 
-/// Turns a mask with the camera: every pixel's ray is looked up in the older image. Translation and
-/// the object's own motion are left out, as they need its distance.
-/// @param R_now_then rotation from the camera's axes at the mask's time to those now.
+/// Turns a mask with the camera. The ray of every pixel is looked up in the older mask. Translation
+/// of the camera and motion of the object are not considered, because they need the distance of the
+/// object.
+/// @param R_now_then rotation from the camera axes at the time of the mask to the camera axes now.
 cv::Mat turnMask(const cv::Mat& mask, const CameraModel& camera, const Eigen::Matrix3d& R_now_then);
 
 }  // namespace edge_mcl

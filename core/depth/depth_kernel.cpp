@@ -1,4 +1,5 @@
-// Distances of a vector of depth points from the model. Compiled once per instruction set.
+// Scores depth points by their distance from the model, a vector of points at a time. This file is
+// compiled once per instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "edge_mcl/core/depth/depth_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -18,7 +19,7 @@ using DepthD = hn::CappedTag<float, DepthPoints::kPadding>;
 using DepthDI = hn::RebindToSigned<DepthD>;
 using DepthV = hn::Vec<DepthD>;
 
-/// Sum of the lanes, in double, in their order.
+/// Sum of the lanes in double precision, in the order of the lanes.
 HWY_INLINE double sumOf(DepthD d, DepthV v) {
   alignas(64) float lanes[DepthPoints::kPadding];
   hn::Store(v, d, lanes);
@@ -46,7 +47,7 @@ DepthKernelResult runDepthKernelImpl(const DistanceField::Grid& grid,
   const float* r = pose.rotation;
   const auto* voxels = reinterpret_cast<const int32_t*>(grid.voxel);
 
-  // One logarithm for a product of so many factors, each of some tenths to some tens.
+  // One logarithm serves a product of this many factors. Each factor is some tenths to some tens.
   constexpr size_t kFactors = 8;
   DepthV product = hn::Set(d, 1.0f), score = zero, agreement = zero;
   size_t factors = 0;

@@ -13,7 +13,7 @@ namespace edge_mcl {
 
 namespace {
 
-/// Of the Gaussian, against clutter spread over the truncation.
+/// Height of the Gaussian relative to clutter that is spread over the truncation.
 double peakOf(const DepthParameters& p, double inverse_variance) {
   return (1 - p.clutter) * p.truncation * std::sqrt(2 / M_PI * inverse_variance);
 }
@@ -35,7 +35,8 @@ std::vector<DepthScore> DepthLikelihood::evaluate(const DepthPoints& points,
   std::vector<DepthScore> scores(camera_poses.size());
   for (size_t i = 0; i < camera_poses.size(); ++i)
     if (!isValid(camera_poses[i]))
-      throw Error("depth likelihood: pose " + std::to_string(i) + " is not finite");
+      throw Error("depth likelihood: pose " + std::to_string(i) +
+                  " is not finite or its rotation is not orthonormal");
   if (points.count == 0) return scores;
   const size_t padded = points.x.size();
   std::vector<float> half(padded, 0), peak(padded, 0);
@@ -92,11 +93,11 @@ DepthScore DepthLikelihood::evaluateSlowly(const DepthPoints& points,
   return score;
 }
 
-/// Normal equations of the pose, bordered by the bias.
+/// Normal equations of the pose, with one more row and column for the bias.
 struct DepthLikelihood::WithBias {
   NormalEquations pose;
-  Twist mixed = Twist::Zero();  // second derivative by pose and bias
-  double h = 0, g = 0;          // of the bias
+  Twist mixed = Twist::Zero();  // mixed second derivative of pose and bias
+  double h = 0, g = 0;          // second derivative and gradient of the bias
 };
 
 DepthLikelihood::WithBias DepthLikelihood::linearizeWithBias(const DepthPoints& points,
@@ -114,8 +115,8 @@ DepthLikelihood::WithBias DepthLikelihood::linearizeWithBias(const DepthPoints& 
                             std::exp(-reading.distance * reading.distance * inverse_variance / 2);
     const double belief = on_model / (params_.clutter + on_model);
     if (belief > 0.5) ++sum.pose.matched_points;
-    // A point fixed to the camera moves by v + w x p in the camera's axes, and by z p with the
-    // bias.
+    // A change (v, w) of the pose moves a point that is fixed to the camera by v + w x p in camera
+    // axes. A change of the bias by one unit moves it by z p.
     const Eigen::Vector3d gradient = camera_pose.linear().transpose() * reading.gradient;
     Twist row;
     row << gradient, p.cross(gradient);
@@ -152,7 +153,7 @@ DepthBias DepthLikelihood::remainingBias(const DepthPoints& points, const Pose& 
   if (!(points.bias_variance > 0)) return {};
   const WithBias sum = linearizeWithBias(points, camera_pose, 0);
   const Twist slope = sum.mixed / sum.h;
-  // The spread at a given pose, and what the pose's own uncertainty adds.
+  // The variance is that at a given pose plus the part that the uncertainty of the pose adds.
   return {sum.g / sum.h, 1 / sum.h + slope.dot(camera_covariance * slope)};
 }
 

@@ -50,7 +50,7 @@ bool isIgnored(const DepthImage& image, const Eigen::Vector3d& point) {
 DepthPoints makeDepthPoints(const DepthImage& image, const DepthParameters& params) {
   check(image);
   const CameraModel& camera = image.camera;
-  // More pixels than are wanted are looked at, as some have no depth.
+  // Four times as many pixels as wanted are examined, because some have no depth.
   const double area = static_cast<double>(camera.width) * camera.height;
   const int step = std::max(1, static_cast<int>(std::sqrt(area / (4.0 * params.points))));
   std::vector<Eigen::Vector3d> found;

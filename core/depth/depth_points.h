@@ -1,4 +1,4 @@
-/// A depth image as points.
+/// A depth image as a list of points.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -12,50 +12,54 @@
 
 namespace edge_mcl {
 
-/// A depth image this close to an image is of the same moment, s: depth cameras run beside the
-/// colour camera, and this is less than a frame at 30 Hz.
+/// An image and a depth image belong to one moment when their times differ by at most this, s.
+/// Depth cameras run beside the colour camera, and this is less than a frame at 30 Hz.
 constexpr double kDepthWindow = 0.025;
 
-/// One depth image as it comes.
+/// One depth image as it is received.
 struct DepthImage {
   CameraModel camera;
-  cv::Mat depth;  ///< CV_16U or CV_32F: depth along the optical axis; 0 or not finite: no return
-  double units_per_metre = 1000;  ///< of CV_16U; CV_32F is in metres
+  cv::Mat depth;  ///< CV_16U or CV_32F, depth along the optical axis; 0 or not finite: no return
+  double units_per_metre = 1000;  ///< of CV_16U images; CV_32F images are in metres
   std::string origin;             ///< named in errors
-  /// What to ignore; the mask may be that of another camera.
+  /// Pixels to ignore. The mask may belong to another camera.
   struct Mask {
-    cv::Mat pixels;                        ///< CV_8U, non-zero: ignored; empty: none
-    CameraModel camera;                    ///< of the mask
-    Pose T_mask_depth = Pose::Identity();  ///< where the depth camera is in the mask's camera
+    cv::Mat pixels;      ///< CV_8U, non-zero: ignored; empty: none
+    CameraModel camera;  ///< camera of the mask
+    /// Pose of the depth camera in the frame of the mask's camera.
+    Pose T_mask_depth = Pose::Identity();
   };
-  std::optional<Mask> mask;  ///< of the depth image itself if `camera` is the same
+  /// A mask of the depth image itself has the same camera and an identity pose.
+  std::optional<Mask> mask;
 };
 
-/// A thinned-out depth image. Points are in the depth camera's optical frame, metres; each as
-/// arrays for the vector unit, padded to a multiple of kPadding with points of no weight.
+/// Points of a thinned-out depth image, in the depth camera's optical frame, metres. Every
+/// coordinate is an array of its own for the vector unit. The arrays are padded to a multiple of
+/// kPadding with points of no weight.
 struct DepthPoints {
   static constexpr size_t kPadding = 16;
-  size_t count = 0;       ///< points, without the padding
-  double returned = 0;    ///< share of the pixels looked at that gave a point in range
-  double mean_depth = 0;  ///< m
+  size_t count = 0;       ///< number of points without the padding
+  double returned = 0;    ///< share of the examined pixels outside the mask with a depth in range
+  double mean_depth = 0;  ///< mean depth of the points, m
   std::vector<float> x, y, z;
-  std::vector<float> inverse_variance;  ///< of the distance from the surface, 1/m^2
-  double bias_variance = 0;             ///< of what is left of DepthBias, 1/m^2
+  std::vector<float> inverse_variance;  ///< 1 / variance of the distance from the surface, 1/m^2
+  double bias_variance = 0;  ///< variance of the bias that remains after withoutBias(), 1/m^2
 };
 
-/// The systematic error of a depth sensor: it reads z - mean z^2 at the depth z. That is what an
-/// offset of the disparities does, of structured light and stereo alike (K. Khoshelham, S. Oude
+/// Systematic error of a depth sensor: at the depth z it reads z - mean z^2. An offset of the
+/// disparities causes this error, with structured light and with stereo (K. Khoshelham, S. Oude
 /// Elberink, "Accuracy and resolution of Kinect depth data", Sensors 12, 2012).
 struct DepthBias {
   double mean = 0;      ///< 1/m
   double variance = 0;  ///< 1/m^2
 };
 
-/// The points without the bias, and with the noise that its uncertainty adds.
+/// Removes the bias from the points, and adds the noise that comes from its uncertainty.
 DepthPoints withoutBias(const DepthPoints& points, const DepthBias& bias);
 
-/// Takes about `params.points` pixels, evenly from those that have a depth in range and are not
-/// ignored. @throws InputError on a wrong type or size.
+/// Makes at most `params.points` points. They are taken evenly from the pixels that have a depth in
+/// range and are not ignored.
+/// @throws InputError when the type or size of depth image or mask is wrong.
 DepthPoints makeDepthPoints(const DepthImage& image, const DepthParameters& params);
 
 }  // namespace edge_mcl

@@ -13,15 +13,18 @@ namespace edge_mcl {
 
 namespace {
 
-/// Which bricks have a surface in reach; 0 for those that have none, else counted from one.
+/// Numbers of all bricks. Bricks with a surface within reach are counted from one, the others have
+/// the number 0.
 struct BrickLayout {
   int32_t bricks[3];
   std::vector<int32_t> brick_of;
-  int32_t count = 1;  // the first is the empty one
+  int32_t count = 1;  // brick 0 is the empty one
 };
 
-/// Marks the bricks of a cube of `size` bricks (a power of two) that have a surface in reach, from
-/// the whole to its eighths. @return how many; stops early beyond `most`.
+/// Marks the bricks of a cube that have a surface within reach. It divides the cube into eighths
+/// until a part is one brick.
+/// @param size bricks along a side of the cube, a power of two.
+/// @return number of marked bricks; the search stops early when it exceeds `most`.
 size_t mark(const ClosestFace& faces, const Eigen::Vector3d& origin, double side, double reach,
             const Eigen::Vector3i& corner, int size, size_t most, BrickLayout* layout) {
   const Eigen::Map<const Eigen::Vector3i> bricks(layout->bricks);
@@ -42,7 +45,7 @@ size_t mark(const ClosestFace& faces, const Eigen::Vector3d& origin, double side
   return count;
 }
 
-/// @return false when it would take more memory than is good.
+/// Numbers the bricks. @return false when the field would need more than `most_bytes`.
 bool layOut(const ClosestFace& faces, const Eigen::Vector3d& origin, const Eigen::Vector3d& extent,
             double voxel, double reach, double most_bytes, BrickLayout* layout) {
   const double side = DistanceField::kBrick * voxel;
@@ -94,7 +97,8 @@ DistanceField::DistanceField(const MeshModel& mesh, const Options& options)
   BrickLayout layout;
   double reach = 0;
   for (;; voxel_size_ *= 1.25) {
-    // Half a voxel's diagonal beyond the truncation, so that all points within it find a voxel.
+    // One voxel beyond the truncation is more than half a voxel's diagonal, so every point within
+    // the truncation lies in a measured voxel.
     reach = truncation_ + voxel_size_;
     origin_ = mesh.lowest.cast<double>() - Eigen::Vector3d::Constant(reach);
     const Eigen::Vector3d extent =
@@ -121,8 +125,9 @@ DistanceField::DistanceField(const MeshModel& mesh, const Options& options)
       const int x = i % kBrick, y = i / kBrick % kBrick, z = i / (kBrick * kBrick);
       const Eigen::Vector3d in_brick(x + 0.5, y + 0.5, z + 0.5);
       const Eigen::Vector3d centre = origin_ + voxel_size_ * (kBrick * corner + in_brick);
-      // A search is the faster the less it must reach: no farther than by way of the last voxel.
-      // The search itself rounds coordinates to single precision.
+      // A search is faster when its reach is shorter. The nearest surface cannot be farther than
+      // the way over the last voxel's centre. The search rounds coordinates to single precision,
+      // hence the slack.
       const double slack = 1e-5 + 1e-6 * centre.cwiseAbs().maxCoeff();
       const double bound = last_distance + (centre - last_centre).norm() + slack;
       ClosestFace::Hit hit = faces.find(centre, std::min(reach, bound));
@@ -142,7 +147,7 @@ DistanceField::Reading DistanceField::at(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d in_voxels = (point - origin_) / voxel_size_;
   int cell[3];
   for (int k = 0; k < 3; ++k) {
-    // Also false for NaN.
+    // The comparison is false for NaN, too.
     if (!(in_voxels[k] >= 0 && in_voxels[k] < static_cast<double>(bricks_[k]) * kBrick)) return {};
     cell[k] = static_cast<int>(in_voxels[k]);
   }

@@ -1,4 +1,4 @@
-// Distance fields on disk.
+// Reads and writes distance fields.
 #include <unistd.h>
 
 #include <cinttypes>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr char kMagic[8] = {'e', 'm', 'c', 'l', 'd', 'f', '0', '2'};
 
-/// FNV-1a over words.
+/// FNV-1a hash over 32-bit words.
 class Hash {
  public:
   template <class T>
@@ -36,6 +36,7 @@ class Hash {
   uint64_t value_ = 14695981039346656037ull;
 };
 
+/// Start of a file. The numbers of the bricks and the voxels follow.
 struct Header {
   char magic[8];
   uint64_t hash, checksum, brick_count, voxel_count;
@@ -43,7 +44,7 @@ struct Header {
   int32_t bricks[3], unused;
 };
 
-/// Of everything but itself.
+/// Checksum of the whole file without the checksum itself.
 uint64_t checksumOf(Header header, const std::vector<int32_t>& bricks,
                     const std::vector<uint32_t>& voxels) {
   Hash hash;
@@ -80,7 +81,8 @@ void DistanceField::write(const std::string& file, uint64_t hash) const {
   header.voxel_size = voxel_size_;
   header.truncation = truncation_;
   header.checksum = checksumOf(header, brick_of_, voxels_);
-  // Renamed when complete: another process may read or write the same field.
+  // The file gets its name when it is complete, because another process may read or write the same
+  // field.
   const std::string part = file + "." + std::to_string(getpid());
   std::ofstream out(part, std::ios::binary);
   out.write(reinterpret_cast<const char*>(&header), sizeof header);
@@ -104,10 +106,10 @@ DistanceField DistanceField::read(const std::string& file, uint64_t hash) {
   in.read(reinterpret_cast<char*>(&h), sizeof h);
   if (!in || std::memcmp(h.magic, kMagic, sizeof kMagic) != 0)
     throw InputError(file + ": not a distance field");
-  if (h.hash != hash) throw InputError(file + ": made from another model");
+  if (h.hash != hash) throw InputError(file + ": made from another model or with other options");
   std::error_code failed;
   const uintmax_t bytes = fs::file_size(file, failed);
-  // The sizes first: a broken header must not ask for all memory.
+  // The sizes are checked first, so that a broken header cannot ask for all memory.
   if (failed || h.brick_count > bytes || h.voxel_count > bytes ||
       bytes != sizeof h + 4 * (h.brick_count + h.voxel_count))
     throw InputError(file + ": truncated");
@@ -145,7 +147,7 @@ DistanceField storedDistanceField(const MeshModel& mesh, const DistanceField::Op
     try {
       return DistanceField::read(place, hash);
     } catch (const InputError&) {
-      continue;  // made anew
+      continue;  // the next place, or a new field
     }
   }
   DistanceField field(mesh, options);
@@ -160,7 +162,7 @@ DistanceField storedDistanceField(const MeshModel& mesh, const DistanceField::Op
       why = e.what();
     }
   }
-  *warning = "the distance field is computed at every start: " + why;
+  *warning = "the distance field cannot be stored and is computed at every start: " + why;
   return field;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/edges/line_merging.h"
 
 namespace edge_mcl {
@@ -95,9 +96,43 @@ struct FoundEdges {
   std::vector<uint32_t> contour_triangle;  // one adjacent triangle each
 };
 
+/// The half edges [begin, end) of one edge.
+struct EdgeRange {
+  const HalfEdge *begin, *end;
+};
+
+/// Finds the two faces of an edge that meet most sharply and writes them to `line`.
+/// @param materials_differ set when two faces have different materials
+/// @return cosine of the angle between their normals
+double sharpestPair(const EdgeRange& range, MeshModel* mesh, EdgeLine* line,
+                    bool* materials_differ) {
+  // Each face is compared with at most seven others. An edge of a sound mesh has two to four faces.
+  // A broken mesh may have thousands, and all their pairs would take the square of that.
+  constexpr long kCompared = 8;
+  double least_cos = 2;
+  for (const HalfEdge* a = range.begin; a < range.end; ++a)
+    for (const HalfEdge* b = a + 1; b < std::min(range.end, a + kCompared); ++b) {
+      const Eigen::Vector3f normal_a = triangleNormal(*mesh, a->triangle);
+      Eigen::Vector3f normal_b = triangleNormal(*mesh, b->triangle);
+      if (a->forward == b->forward) {
+        normal_b = -normal_b;  // the two faces are wound in opposite directions
+        if (range.end - range.begin == 2) ++mesh->report.flipped_pairs;
+      }
+      const double c = normal_a.dot(normal_b);
+      *materials_differ = *materials_differ || mesh->triangle_material[a->triangle] !=
+                                                   mesh->triangle_material[b->triangle];
+      if (c >= least_cos) continue;
+      least_cos = c;
+      line->normal_a = normal_a;
+      line->normal_b = normal_b;
+      line->into_a = intoFace(*mesh, a->triangle, *line);
+      line->into_b = intoFace(*mesh, b->triangle, *line);
+    }
+  return least_cos;
+}
+
 FoundEdges classifyEdges(MeshModel* mesh, const MapParameters& params, Patches* patches) {
-  constexpr double kFlatDegrees = 0.05;  // below: one plane up to rounding
-  const double kDegree = M_PI / 180;
+  constexpr double kFlatDegrees = 0.05;  // faces within this are one plane up to rounding
   const double crease_cos = std::cos(params.crease_angle_deg * kDegree);
   const double flat_cos = std::cos(kFlatDegrees * kDegree);
   FoundEdges found;
@@ -116,28 +151,9 @@ FoundEdges classifyEdges(MeshModel* mesh, const MapParameters& params, Patches* 
       if (params.boundaries) found.features.push_back(line);
     } else {
       if (faces > 2) ++mesh->report.non_manifold_edges;
-      // With more than two faces the sharpest pair decides.
-      double least_cos = 2;
       bool materials_differ = false;
-      for (size_t a = i; a < j; ++a)
-        for (size_t b = a + 1; b < std::min(j, a + 8); ++b) {
-          const Eigen::Vector3f na = triangleNormal(*mesh, edges[a].triangle);
-          Eigen::Vector3f nb = triangleNormal(*mesh, edges[b].triangle);
-          if (edges[a].forward == edges[b].forward) {
-            nb = -nb;  // wound against each other
-            if (faces == 2) ++mesh->report.flipped_pairs;
-          }
-          const double c = na.dot(nb);
-          materials_differ = materials_differ || mesh->triangle_material[edges[a].triangle] !=
-                                                     mesh->triangle_material[edges[b].triangle];
-          if (c < least_cos) {
-            least_cos = c;
-            line.normal_a = na;
-            line.normal_b = nb;
-            line.into_a = intoFace(*mesh, edges[a].triangle, line);
-            line.into_b = intoFace(*mesh, edges[b].triangle, line);
-          }
-        }
+      const double least_cos =
+          sharpestPair({edges.data() + i, edges.data() + j}, mesh, &line, &materials_differ);
       const bool crease = least_cos <= crease_cos;
       if (!crease) patches->join(edges[i].triangle, edges[i + 1].triangle);
       if (crease) {
@@ -186,7 +202,7 @@ void sampleLines(EdgeModel* model) {
   }
 }
 
-/// Short pieces of one smooth surface form one group; a long straight one is a line by itself.
+/// Short pieces of one smooth surface form one group. A long straight piece is a line by itself.
 void appendContours(FoundEdges found, Patches* patches, EdgeModel* model) {
   const double long_enough = 3 * model->sample_step;
   std::vector<uint32_t> order(found.contours.size());

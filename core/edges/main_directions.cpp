@@ -6,7 +6,7 @@
 namespace edge_mcl {
 
 std::vector<Eigen::Vector3d> mainDirections(const EdgeModel& model) {
-  constexpr size_t kTried = 300;  // the longest lines
+  constexpr size_t kTried = 300;  // only the longest lines are tried
   const double kAlong = std::cos(3 * M_PI / 180), kApart = std::cos(30 * M_PI / 180);
   constexpr double kHardlyAny = 0.05;
   struct Line {

@@ -1,4 +1,4 @@
-/// The directions that a building's lines have: of its walls, mostly.
+/// The main directions of a model's lines, mostly the directions of its walls.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,9 +8,9 @@
 
 namespace edge_mcl {
 
-/// Unit vectors, map frame, at most three, none within 30 degrees of another: those that most of
-/// the length of the model's lines follows, to a few degrees. Those that hardly any line follows
-/// (less than a twentieth of the first one's length) are left out.
+/// Finds the directions that have the most line length parallel to them, within 3 degrees. Contours
+/// do not count. Directions with at most a twentieth of the length of the first one are left out.
+/// @return at most three unit vectors, map frame, none within 30 degrees of another.
 std::vector<Eigen::Vector3d> mainDirections(const EdgeModel& model);
 
 }  // namespace edge_mcl

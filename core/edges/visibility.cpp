@@ -15,7 +15,7 @@
 
 namespace edge_mcl {
 
-/// Embree's device and the mesh in it; null scene when the model has no faces.
+/// Embree's device and a scene with the mesh. Both are null when the model has no faces.
 struct Visibility::Scene {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -25,7 +25,7 @@ struct Visibility::Scene {
     device = rtcNewDevice(nullptr);
     if (!device) throw Error("visibility: the ray caster cannot be started");
     scene = rtcNewScene(device);
-    // Robust: rays through shared edges and vertices of the mesh must not slip between faces.
+    // Robust: a ray through a shared edge or vertex must not slip between the faces of the mesh.
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     attachMesh(device, scene, mesh);
     rtcCommitScene(scene);
@@ -38,7 +38,7 @@ struct Visibility::Scene {
   Scene& operator=(const Scene&) = delete;
 };
 
-/// Least-recently-used map of cells.
+/// Visible sets by cell. The least recently used cell is dropped first.
 struct Visibility::Cache {
   struct Entry {
     std::shared_ptr<const VisibleSet> set;
@@ -46,14 +46,14 @@ struct Visibility::Cache {
   };
   mutable std::mutex mutex;
   std::map<CellKey, Entry> cells;
-  std::list<CellKey> by_age;  // newest first
+  std::list<CellKey> by_age;  // most recently used first
   CacheStatistics statistics;
 };
 
 namespace {
 
-/// Rays from one place to points, traced together when there are enough of them: rays that end side
-/// by side share most of their way through the scene.
+/// Rays from one position to many points, traced in packets. Rays that end side by side share most
+/// of their way through the scene.
 class RayPacket {
  public:
   RayPacket(RTCScene scene, const Eigen::Vector3f& from) : scene_(scene), from_(from) {
@@ -61,7 +61,10 @@ class RayPacket {
     context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   }
 
-  /// @param bit of *visible is cleared, now or later, when something hides the point.
+  /// Adds the ray to a point.
+  /// @param tolerance surfaces closer than this to the point do not hide it, metres.
+  /// @param bit number of the bit in `*visible` that is cleared, now or later, when a surface hides
+  ///   the point.
   void add(const Eigen::Vector3f& point, float tolerance, uint32_t bit, uint16_t* visible) {
     const Eigen::Vector3f direction = point - from_;
     const float distance = direction.norm();
@@ -80,6 +83,7 @@ class RayPacket {
     if (count_ == kSize) trace();
   }
 
+  /// Traces the rays that are waiting.
   void trace() {
     alignas(64) int valid[kSize];
     for (int i = 0; i < kSize; ++i) valid[i] = i < count_ ? -1 : 0;
@@ -110,9 +114,10 @@ double automaticTolerance(const MeshModel& mesh) {
   return std::clamp(0.002 * mesh.diagonal(), 1e-4, 0.01);
 }
 
-/// Largest apparent width per depth of the faces at a line that are seen from the eye, as a share
-/// of what counts as full view. In the cross-section at the line two faces on one side of it hide
-/// each other; the one closer to the direction of the eye is in front.
+/// Weight of a line by the direction of its faces, see VisibleSet::facingWeight(). It is the
+/// largest apparent width per depth of the visible faces at the line, as a share of the width that
+/// counts as full view. In the cross-section at the line, two faces on the same side of it hide
+/// each other. The face closer to the direction of the eye is in front.
 float facingWeight(const EdgeLine& line, const Eigen::Vector3f& at, const Eigen::Vector3f& eye) {
   constexpr float kFullView = 0.17f;  // sine of 10 degrees
   const bool has_a = !line.into_a.isZero(), has_b = !line.into_b.isZero();
@@ -198,7 +203,7 @@ void Visibility::removeHidden(const Eigen::Vector3f& eye,
   RayPacket packet(scene_->scene, eye);
   for (VisibleSet::Segment& seen : *segments) {
     const EdgeSegment& segment = model_.segments[seen.index];
-    // Not from seen.samples: the packet takes hidden ones out of it while this goes on.
+    // A copy, because the packet clears bits of seen.samples during this loop.
     const uint16_t asked = seen.samples;
     for (uint32_t i = 0; i < segment.sample_count; ++i)
       if (asked >> i & 1u)
@@ -227,7 +232,7 @@ std::shared_ptr<const VisibleSet> Visibility::cached(const CellKey& cell) const 
       return it->second.set;
     }
   }
-  // Two threads that miss at once compute the same answer twice; waiting for each other could
+  // Two threads that miss a cell at the same time both compute it. Waiting for each other could
   // deadlock a work-stealing scheduler.
   auto set = std::make_shared<const VisibleSet>(exact(cellCentre(cell)));
   std::unique_lock<std::mutex> lock(cache.mutex);

@@ -29,16 +29,17 @@ Eigen::Vector2d diamondDirection(double p) {
 
 namespace {
 
-/// An edge pixel in the axes of the transform: the normal's longer axis counts the rows.
+/// An edge pixel in the axes of the transform. Rows are counted along the longer axis of the
+/// normal.
 struct RowPixel {
   int row, column;
 };
 
-/// Distance transform along one direction. Rows are walked one at a time, columns shift by
-/// `slope` per row, so that every pixel lies on exactly one digital line and whole rows are
+/// Distance transform along one direction. Rows are processed one after the other, and columns
+/// shift by `slope` per row. So every pixel lies on exactly one digital line, and whole rows are
 /// processed at once.
-/// @param pixels ascending by row. @param steps rows of cols elements, with one of `none` before
-/// and after each.
+/// @param pixels ascending by row.
+/// @param steps rows of `cols` elements, with one element `none` before and one after each row.
 void directionalTransform(const std::vector<RowPixel>& pixels, int rows, int cols, double slope,
                           uint8_t none, uint8_t* steps, size_t stride) {
   const auto shiftAt = [&](int r) {
@@ -59,11 +60,11 @@ void directionalTransform(const std::vector<RowPixel>& pixels, int rows, int col
     std::fill(here.begin(), here.end(), uint8_t{0});
     for (auto p = first; p != next; ++p) {
       here[p->column] = 1;
-      // A diagonal step can slip between two diagonally connected edge pixels.
+      // A diagonal step can pass between two edge pixels that touch diagonally.
       const int x = p->column + shift;
       if (shift != 0 && x >= 0 && x < cols && above[x]) s[x] = 0;
     }
-    // Value at column x comes from column x - shift of the row before.
+    // The value at column x comes from column x - shift of the row before.
     relaxRow(s - stride - shift, none, s, cols);
     above.swap(here);
   }
@@ -73,7 +74,7 @@ void directionalTransform(const std::vector<RowPixel>& pixels, int rows, int col
   }
 }
 
-/// Pixels of every cell that are inside the image and not ignored.
+/// Number of pixels of every cell that are inside the image and not ignored.
 cv::Mat usableArea(const cv::Mat& ignore, int rows, int columns, int width, int height) {
   constexpr int kCell = EdgeField::kClutterCell;
   cv::Mat area(rows, columns, CV_32F);
@@ -87,7 +88,7 @@ cv::Mat usableArea(const cv::Mat& ignore, int rows, int columns, int width, int 
   return area;
 }
 
-/// Sums over a window of cells, zero outside.
+/// Sum over a window around every cell. Cells outside the image count as zero.
 cv::Mat windowSum(const cv::Mat& cells, int window_cells) {
   cv::Mat sum;
   cv::boxFilter(cells, sum, CV_32F, cv::Size(window_cells, window_cells), cv::Point(-1, -1), false,
@@ -95,15 +96,16 @@ cv::Mat windowSum(const cv::Mat& cells, int window_cells) {
   return sum;
 }
 
-/// Edge pixels per pixel within a window around every cell. An edge across the normal has one
-/// pixel per row of the search, so this is also the number of crossings per pixel of the normal.
-/// @param pixels usable ones in the window.
+/// Stores the number of edge pixels per usable pixel, in a window around every cell. An edge across
+/// the normal has one pixel per row of the search. So this is also the number of edges per pixel of
+/// the normal.
+/// @param pixels number of usable pixels in the window.
 void storeClutter(const cv::Mat& count, const cv::Mat& pixels, int window_cells, float* out) {
   const cv::Mat edges = windowSum(count, window_cells);
   for (int y = 0; y < count.rows; ++y)
     for (int x = 0; x < count.cols; ++x) {
       const float size = std::max(pixels.at<float>(y, x), 1.0f);
-      // One line through the window is what a model edge itself would leave.
+      // One line through the window is subtracted, because the model edge itself leaves one.
       *out++ = std::max(0.0f, edges.at<float>(y, x) / size - 1 / std::sqrt(size));
     }
 }
@@ -113,17 +115,17 @@ Eigen::Vector2d normalOfBin(int bin, int bins) {
   return {-direction.y(), direction.x()};
 }
 
-/// Whether the normal is closer to the image's rows than to its columns.
+/// Whether the x axis is the longer axis of the normal.
 bool isTransposed(const Eigen::Vector2d& normal) {
   return std::abs(normal.x()) > std::abs(normal.y());
 }
 
-/// Columns walked per row, in the axes of the transform.
+/// Columns to shift per row, in the axes of the transform.
 double slopeOf(const Eigen::Vector2d& normal) {
   return isTransposed(normal) ? normal.y() / normal.x() : normal.x() / normal.y();
 }
 
-/// The same pixels, by columns, then rows.
+/// The edge pixels ordered by column, then row.
 std::vector<const EdgePixel*> sortedByColumn(const EdgePixels& pixels) {
   std::vector<size_t> next(pixels.width() + 1, 0);
   for (const EdgePixel& p : pixels.list()) ++next[p.x + 1];
@@ -168,7 +170,7 @@ EdgeField::EdgeField(const EdgeImage& image, const EdgePixels& pixels,
     cv::Mat count = cv::Mat::zeros(clutter_rows_, clutter_columns_, CV_32F);
     std::vector<RowPixel> matching;
     const auto add = [&](const EdgePixel& p) {
-      // Angle between line directions: sine of it is |edge normal . model direction|.
+      // The sine of the angle between the two lines is |edge normal . model direction|.
       if (std::abs(p.normal_x * walk.du + p.normal_y * walk.dv) > sine) return;
       matching.push_back(transposed ? RowPixel{p.x, p.y} : RowPixel{p.y, p.x});
       count.at<float>(p.y / kClutterCell, p.x / kClutterCell) += 1;

@@ -16,7 +16,7 @@ EdgePixels::EdgePixels(const EdgeImage& image)
   for (int y = 0; y < height_; ++y) {
     const uint8_t* row = image.edges.ptr<uint8_t>(y);
     for (int x = 0; x < width_; ++x) {
-      uint64_t eight = 1;  // most of the image is empty
+      uint64_t eight = 1;  // eight pixels at once, because most of the image is empty
       if (x + 8 <= width_) std::memcpy(&eight, row + x, 8);
       if (eight == 0) {
         x += 7;
@@ -43,7 +43,8 @@ EdgePixels::EdgePixels(const EdgeImage& image)
 
 const EdgePixel* EdgePixels::nearestAlong(float u, float v, float nx, float ny, float length,
                                           float tolerance_cos) const {
-  // Fixed point: a walk of 200 pixels in half-pixel steps is off by less than a hundredth of one.
+  // Fixed point: after 200 pixels in half-pixel steps the error is less than a hundredth of a
+  // pixel.
   constexpr float kOne = 65536;
   const auto fixed = [](float value) { return static_cast<int32_t>(kOne * value); };
   const int32_t u0 = fixed(u + 0.5f), v0 = fixed(v + 0.5f);

@@ -19,7 +19,7 @@ Eigen::Vector2d EdgeImage::normalAt(int x, int y) const {
 
 namespace {
 
-/// Bilinear gradient magnitude, zero outside.
+/// Gradient magnitude by bilinear interpolation; zero outside the image.
 double magnitudeAt(const EdgeImage& image, double x, double y) {
   if (x < 0 || y < 0) return 0;
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
@@ -38,9 +38,9 @@ double magnitudeAt(const EdgeImage& image, double x, double y) {
   return (1 - fy) * row(y0) + fy * row(y0 + 1);
 }
 
-/// Threshold from a regular sub-sample of the magnitudes outside the mask.
+/// Strong threshold from every third pixel of every third row outside the mask.
 double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
-  std::vector<uint32_t> squares;  // of the magnitudes: exact
+  std::vector<uint32_t> squares;  // squares of the magnitudes, which are exact
   squares.reserve(image.grey.total() / 9 + 1);
   for (int y = 1; y < image.height(); y += 3)
     for (int x = 1; x < image.width(); x += 3) {
@@ -49,16 +49,16 @@ double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
       squares.push_back(static_cast<uint32_t>(gx * gx + gy * gy));
     }
   if (squares.empty()) return EdgeImage::kLeastThreshold;
-  auto sorted_below = squares.begin();   // nothing from here on is smaller than what is before
-  const auto quantile = [&](double q) {  // to be called with growing q
+  auto sorted_below = squares.begin();   // no element from here on is smaller than one before
+  const auto quantile = [&](double q) {  // calls need growing q
     const auto nth =
         squares.begin() + static_cast<long>(q * static_cast<double>(squares.size() - 1));
     std::nth_element(sorted_below, nth, squares.end());
     sorted_below = nth;
     return std::sqrt(static_cast<double>(*nth));
   };
-  // The magnitude of Gaussian noise is Rayleigh distributed: median = 1.177 sigma. The lower
-  // quartile (0.759 sigma) stays noise even when texture fills half of the image.
+  // The magnitude of Gaussian noise has a Rayleigh distribution, with a median of 1.177 sigma. The
+  // lower quartile (0.759 sigma) is still noise when texture fills half of the image.
   const bool edges_are_few = params.edge_share <= 0.75;
   const double first = quantile(edges_are_few ? 0.25 : 1 - params.edge_share);
   const double second = quantile(edges_are_few ? 1 - params.edge_share : 0.25);
@@ -67,7 +67,7 @@ double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
       {EdgeImage::kLeastThreshold, edges_are_few ? second : first, params.noise_factor * noise});
 }
 
-/// Keeps edges that lie on a straight segment of their own direction.
+/// Removes edges that are not on a straight segment of at least `min_length` pixels.
 void keepStraightSegments(EdgeImage* image, double min_length) {
   std::vector<cv::Vec4f> segments;
   cv::createLineSegmentDetector(cv::LSD_REFINE_NONE)->detect(image->grey, segments);
@@ -111,11 +111,12 @@ cv::Mat toGrey(const cv::Mat& image, const std::string& origin) {
 std::vector<int> blurWeights(double sigma) {
   if (!(sigma > 0)) return {kBlurUnit};
   const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
-  std::vector<double> beyond(radius + 2, 0);  // unnormalised weight from this neighbour on
+  // Sum of the weights from this neighbour on, not normalised.
+  std::vector<double> beyond(radius + 2, 0);
   for (int i = radius; i >= 0; --i)
     beyond[i] = beyond[i + 1] + std::exp(-0.5 * i * i / sigma / sigma);
   const double total = beyond[0] + beyond[1];
-  // Sums are rounded, not weights, which so add up.
+  // Sums of weights are rounded and not the weights, so the rounded weights add up to kBlurUnit.
   const auto rounded = [&](int i) {
     return static_cast<int>(std::lround(kBlurUnit * beyond[i] / total));
   };
@@ -131,7 +132,7 @@ cv::Mat ignoredPixels(const cv::Mat& mask, cv::Size size, const ImageParameters&
   if (mask.empty()) return ignored;
   if (mask.size() != size)
     throw InputError(origin + ": the mask has " + std::to_string(mask.cols) + "x" +
-                     std::to_string(mask.rows) + " pixels, the image " +
+                     std::to_string(mask.rows) + " pixels, the image has " +
                      std::to_string(size.width) + "x" + std::to_string(size.height));
   if (mask.type() != CV_8U) throw InputError(origin + ": the mask must be 8-bit grey");
   cv::compare(mask, 0, ignored, cv::CMP_NE);
@@ -145,7 +146,7 @@ cv::Mat ignoredPixels(const cv::Mat& mask, cv::Size size, const ImageParameters&
 
 namespace {
 
-/// Gaussian smoothing with blurWeights(): every sum is a whole number of units below 2^24.
+/// Gaussian smoothing with blurWeights(). Every sum is a whole number of units below 2^24.
 void smooth(double sigma, cv::Mat* image) {
   const std::vector<int> weights = blurWeights(sigma);
   const int radius = static_cast<int>(weights.size()) - 1;
@@ -170,7 +171,7 @@ EdgeImage findEdgesOf(const cv::Mat& grey, const cv::Mat& ignore, const ImagePar
   EdgeImage result;
   result.grey = grey;
   result.ignore = ignore;
-  cv::Mat smoothed;  // Scharr's weights add up to 16: 16 * 255 * 8 just fits into 16 bits
+  cv::Mat smoothed;  // 16 bits: Scharr's weights add up to 16, and 16 * 255 * 8 just fits
   result.grey.convertTo(smoothed, CV_16S, EdgeImage::kGradientScale);
   smooth(params.blur_sigma, &smoothed);
   cv::Scharr(smoothed, result.gradient_x, CV_16S, 1, 0, 1, 0, cv::BORDER_REPLICATE);

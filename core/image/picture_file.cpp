@@ -26,7 +26,7 @@ void writePicture(const std::string& file, const cv::Mat& picture,
   const std::string ending = fs::path(file).extension().string();
   std::vector<uchar> bytes;
   if (ending.empty() || !encode(ending, picture, options, &bytes))
-    throw InputError(file + ": cannot be written: not a picture format (.png, .jpg)");
+    throw InputError(file + ": cannot be written: the ending names no picture format (.png, .jpg)");
   const std::string partial = file + ".part";
   std::error_code error;
   {

@@ -1,4 +1,4 @@
-/// Pictures written so that a file with its name is always whole.
+/// Writes pictures so that a file with the final name is always complete.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -7,10 +7,10 @@
 
 namespace edge_mcl {
 
-/// Writes a picture in the format of the file's ending: beside its place first, then renamed, so
-/// that whoever waits for the file never reads half of it.
+/// Writes a picture in the format that the ending of the file name tells. It writes FILE.part first
+/// and renames it, so that a program that waits for the file never reads half of it.
 /// @param options pairs as in cv::imwrite.
-/// @throw InputError naming the file when it cannot be written or its ending names no format.
+/// @throws InputError naming the file when it cannot be written or its ending names no format.
 void writePicture(const std::string& file, const cv::Mat& picture,
                   const std::vector<int>& options = {});
 

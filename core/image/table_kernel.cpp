@@ -1,4 +1,4 @@
-// Compiled once per instruction set.
+// This file is compiled once per instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "edge_mcl/core/image/table_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -30,7 +30,7 @@ void relaxRowImpl(const uint8_t* source, uint8_t none, uint8_t* target, size_t c
 }
 
 #if HWY_TARGET != HWY_SCALAR
-/// For tables of at most 32 entries.
+/// Lookup in tables of at most 32 entries.
 void lookUpShort(const uint8_t* in, const uint8_t* const* table_of_cell, size_t cells,
                  uint8_t* out) {
   const hn::FixedTag<uint8_t, 16> d_table;

@@ -63,16 +63,17 @@ void checkLikelihoodInput(const LikelihoodFrame& frame, const std::vector<Pose>&
 
 namespace {
 
-/// What one batch of particles shares.
+/// Data that all particles of a batch share.
 struct Batch {
   const LikelihoodFrame* frame;
   std::shared_ptr<const ScoreTable> table;
   const std::vector<Pose>* poses;
-  std::vector<uint32_t> order;  ///< particles, those of one cell side by side
-  std::vector<uint32_t> cell;   ///< of every particle, into sets
+  std::vector<uint32_t> order;  ///< particles, ordered by cell
+  std::vector<uint32_t> cell;   ///< of every particle: index into sets
   std::vector<std::shared_ptr<const VisibleSet>> sets;
 
-  std::vector<uint16_t> used;  ///< of every segment: samples that thinning leaves; empty: all
+  /// Of every segment: samples that remain after thinning; empty: all.
+  std::vector<uint16_t> used;
 
   const Pose& pose(size_t i) const { return (*poses)[order[i]]; }
   uint32_t usedOf(uint32_t segment) const { return used.empty() ? 0xffffu : used[segment]; }
@@ -84,25 +85,26 @@ struct Batch {
   }
 };
 
-/// The part of space that the cameras of a block can see, as one cone.
+/// Cone around the part of space that the cameras of a block can see.
 struct ViewCone {
   Eigen::Vector3d apex;
   Eigen::Vector3d axis;
-  double sin_half, cos_half;  // half the opening, including the spread of the orientations
-  double apex_radius;         // spread of the positions
+  double sin_half, cos_half;  // half the opening angle, with the spread of the orientations
+  double apex_radius;         // spread of the positions, metres
 
+  /// Whether a sphere lies outside the cone.
   bool misses(const Eigen::Vector3d& centre, double radius) const {
     const Eigen::Vector3d to_centre = centre - apex;
     const double distance = to_centre.norm(), reach = radius + apex_radius;
     if (distance <= reach) return false;
     // Is the angle to the axis larger than half_angle + asin(reach / distance)?
     const double sine = reach / distance, cosine = std::sqrt(1 - sine * sine);
-    if (sin_half * cosine + cos_half * sine <= 0) return false;  // that is pi or more
+    if (sin_half * cosine + cos_half * sine <= 0) return false;  // their sum is pi or more
     return axis.dot(to_centre) < distance * (cos_half * cosine - sin_half * sine);
   }
 };
 
-/// Of particles [begin, end) of the batch's order.
+/// Cone of particles [begin, end) of the batch's order.
 ViewCone coneOf(const Batch& batch, size_t begin, size_t end) {
   ViewCone cone;
   cone.apex = Eigen::Vector3d::Zero();
@@ -129,7 +131,7 @@ ViewCone coneOf(const Batch& batch, size_t begin, size_t end) {
   return cone;
 }
 
-/// Merges the visible sets of the block's cells into its list of segments.
+/// Merges the visible sets of the block's cells into the block's list of segments.
 /// @param cells distinct indices into batch.sets.
 void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const ViewCone& cone,
                   KernelBlock* block) {
@@ -169,6 +171,7 @@ void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const 
   }
 }
 
+/// Copies the poses of particles [begin, end) of the batch's order into the block.
 void fillParticles(const Batch& batch, const std::vector<uint32_t>& cells, size_t begin, size_t end,
                    KernelBlock* block) {
   block->particles = end - begin;
@@ -214,7 +217,7 @@ KernelCamera kernelCamera(const CameraModel& camera) {
   return k;
 }
 
-/// Visible samples of the block's segments, summed over its particles.
+/// Number of visible samples of the block's segments, summed over its particles.
 uint64_t countParticleSamples(const KernelBlock& block) {
   std::vector<uint64_t> of_cell(block.cells);
   for (size_t i = 0; i < block.seen.size(); ++i)
@@ -224,7 +227,8 @@ uint64_t countParticleSamples(const KernelBlock& block) {
   return total;
 }
 
-/// Scores particles [begin, end) of the batch's order. Returns the particle-samples evaluated.
+/// Scores particles [begin, end) of the batch's order.
+/// @return number of particle-samples evaluated.
 uint64_t scoreRange(const Batch& batch, size_t begin, size_t end, std::vector<PoseScore>* scores) {
   std::vector<uint32_t> cells;
   for (size_t i = begin; i < end; ++i) cells.push_back(batch.cell[batch.order[i]]);
@@ -252,9 +256,11 @@ uint64_t scoreRange(const Batch& batch, size_t begin, size_t end, std::vector<Po
   return countParticleSamples(block);
 }
 
-/// Scores all; the batch's order and cells are complete. Returns the particle-samples evaluated.
+/// Scores all particles of a batch with complete order and cells.
+/// @return number of particle-samples evaluated.
 uint64_t scoreAll(const Batch& batch, std::vector<PoseScore>* scores) {
-  // Large blocks share more of the table in the caches; every thread should get at least two.
+  // The particles of a large block share more of the table in the caches. Every thread should get
+  // at least two blocks.
   const size_t n = batch.order.size(), lanes = KernelBlock::kLanePadding;
   const size_t wanted = n / (2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
   const size_t size = std::clamp((wanted + lanes - 1) / lanes * lanes, size_t{64}, size_t{256});
@@ -286,25 +292,17 @@ std::vector<PoseScore> CpuBackend::evaluate(const LikelihoodFrame& frame,
   std::iota(batch.order.begin(), batch.order.end(), 0u);
   std::vector<CellKey> key(n);
   for (size_t i = 0; i < n; ++i) key[i] = visibility_->cellOf(camera_poses[i].translation());
-  const auto sameCell = [&](uint32_t a, uint32_t b) {
-    return !visibility_->exactMode() && key[a] == key[b];
-  };
   std::sort(batch.order.begin(), batch.order.end(),
             [&](uint32_t a, uint32_t b) { return key[a] == key[b] ? a < b : key[a] < key[b]; });
   std::vector<uint32_t> first_of_cell;
   for (size_t i = 0; i < n; ++i) {
     const uint32_t particle = batch.order[i];
-    if (i == 0 || !sameCell(first_of_cell.back(), particle)) first_of_cell.push_back(particle);
+    if (i == 0 || !(key[first_of_cell.back()] == key[particle])) first_of_cell.push_back(particle);
     batch.cell[particle] = static_cast<uint32_t>(first_of_cell.size() - 1);
   }
   batch.sets.resize(first_of_cell.size());
-  tbb::parallel_for(size_t{0}, batch.sets.size(), [&](size_t c) {
-    const uint32_t particle = first_of_cell[c];
-    batch.sets[c] = visibility_->exactMode()
-                        ? std::make_shared<const VisibleSet>(
-                              visibility_->exact(camera_poses[particle].translation()))
-                        : visibility_->cached(key[particle]);
-  });
+  tbb::parallel_for(size_t{0}, batch.sets.size(),
+                    [&](size_t c) { batch.sets[c] = visibility_->cached(key[first_of_cell[c]]); });
   batch.thin(visibility_->model());
   std::vector<PoseScore> scores(n);
   last_evaluated_samples_ = scoreAll(batch, &scores);

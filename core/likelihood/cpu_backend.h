@@ -11,9 +11,9 @@
 
 namespace edge_mcl {
 
-/// Lanes of the vector unit hold particles, so that every particle sums its samples in the same
-/// order whatever its neighbours and the number of threads: results are bit-reproducible on one
-/// instruction set. The instruction set is chosen at run time.
+/// Scores poses on the CPU. The lanes of the vector unit hold particles. So every particle adds its
+/// samples in the same order, for any neighbours and any number of threads. Results have the same
+/// bits on one instruction set. The instruction set is chosen at run time.
 class CpuBackend : public LikelihoodBackend {
  public:
   explicit CpuBackend(std::shared_ptr<const Visibility> visibility);
@@ -22,8 +22,8 @@ class CpuBackend : public LikelihoodBackend {
                                   const std::vector<Pose>& camera_poses) const override;
   std::string name() const override;
 
-  /// Particle-samples projected by the last call of evaluate (after culling): for benchmarks.
-  /// Not meaningful while several threads call evaluate.
+  /// Number of particle-samples that the last call of evaluate() projected, after culling. It is
+  /// for benchmarks, and has no meaning while several threads call evaluate().
   uint64_t lastEvaluatedSamples() const { return last_evaluated_samples_; }
 
  private:
@@ -31,7 +31,7 @@ class CpuBackend : public LikelihoodBackend {
   mutable std::atomic<uint64_t> last_evaluated_samples_{0};
 };
 
-/// Poses against one visible set, without cells: the kernel alone.
+/// Scores poses with one visible set, without cells: the kernel alone.
 std::vector<PoseScore> evaluateWithVisibleSet(const LikelihoodFrame& frame, const VisibleSet& set,
                                               const std::vector<Pose>& camera_poses);
 

@@ -140,7 +140,53 @@ class LaneScorer {
     return false;
   }
 
-  /// @param seen_row KernelBlock::seen of this segment.
+  /// Visible samples and weight of a segment for each lane. @param seen_row KernelBlock::seen of
+  /// the segment
+  HWY_INLINE VU seenFrom(size_t first_lane, const uint32_t* seen_row) const {
+    const DI di;
+    const DU du;
+    // Particles are sorted by cell, so the first and the last tell whether all share one cell.
+    const int32_t* cell = block_.cell.data() + first_lane;
+    return cell[0] == cell[hn::Lanes(du) - 1]
+               ? hn::Set(du, seen_row[cell[0]])
+               : hn::BitCast(du, hn::GatherIndex(di, reinterpret_cast<const int32_t*>(seen_row),
+                                                 hn::LoadU(di, cell)));
+  }
+
+  /// Interpolates the table between two rows, two columns and two direction bins.
+  /// @param at offset of the upper left pair, bytes; @param frac_x, frac_y, fraction 0 to 1
+  /// @param valid lanes next to an ignored pixel are taken out
+  HWY_INLINE V scoreAt(VI at, V frac_x, V frac_y, V fraction, hn::Mask<D>* valid) const {
+    const D d;
+    const DI di;
+    const DU du;
+    const auto gather = [&](const uint16_t* pairs) {
+      return hn::BitCast(du, hn::GatherOffset(di, reinterpret_cast<const int32_t*>(pairs), at));
+    };
+    const VU top = gather(table_.pairs), bottom = gather(table_.pairs + table_.stride);
+    // Bytes from the low one up: (x, bin), (x, next bin), (x + 1, bin), (x + 1, next bin).
+    const VU low = hn::Set(du, 0xffu);
+    const auto number = [&](VU word) { return hn::ConvertTo(d, hn::BitCast(di, word)); };
+    const V a0 = number(hn::And(top, low));
+    const V b0 = number(hn::And(hn::ShiftRight<8>(top), low));
+    const V a1 = number(hn::And(hn::ShiftRight<16>(top), low));
+    const V b1 = number(hn::ShiftRight<24>(top));
+    const V c0 = number(hn::And(bottom, low));
+    const V e0 = number(hn::And(hn::ShiftRight<8>(bottom), low));
+    const V c1 = number(hn::And(hn::ShiftRight<16>(bottom), low));
+    const V e1 = number(hn::ShiftRight<24>(bottom));
+    if (table_.has_ignored)
+      *valid = hn::And(*valid, hn::Gt(hn::Min(hn::Min(a0, a1), hn::Min(c0, c1)), hn::Zero(d)));
+    const auto mix = [](V from, V to, V share) {
+      return hn::MulAdd(share, hn::Sub(to, from), from);
+    };
+    const V value_a = mix(mix(a0, a1, frac_x), mix(c0, c1, frac_x), frac_y);
+    const V value_b = mix(mix(b0, b1, frac_x), mix(e0, e1, frac_x), frac_y);
+    return hn::MulAdd(hn::Set(d, table_.scale), mix(value_a, value_b, fraction),
+                      hn::Set(d, table_.offset));
+  }
+
+  /// @param seen_row KernelBlock::seen of this segment
   HWY_INLINE void addSegment(size_t first_lane, const KernelBlock::Segment& segment,
                              const uint32_t* seen_row, LaneSums* sums) const {
     const D d;
@@ -153,13 +199,7 @@ class LaneScorer {
     const V tx = rotate(first_lane, 0, segment.tangent);
     const V ty = rotate(first_lane, 1, segment.tangent);
     const V tz = rotate(first_lane, 2, segment.tangent);
-    // Particles are sorted by cell: the first and the last tell whether all are in one.
-    const int32_t* cell = block_.cell.data() + first_lane;
-    const VU seen =
-        cell[0] == cell[hn::Lanes(d) - 1]
-            ? hn::Set(du, seen_row[cell[0]])
-            : hn::BitCast(du, hn::GatherIndex(di, reinterpret_cast<const int32_t*>(seen_row),
-                                              hn::LoadU(di, cell)));
+    const VU seen = seenFrom(first_lane, seen_row);
     const V segment_weight = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(seen))),
                                      hn::Set(d, 1 / 65535.0f));
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
@@ -171,7 +211,6 @@ class LaneScorer {
     const V spacing_scale = hn::Set(d, rule_.spacing_scale);
     const float half_bins = 0.5f * static_cast<float>(table_.bins);
     const V rows = hn::Set(d, static_cast<float>(table_.rows));
-    const V scale = hn::Set(d, table_.scale), offset = hn::Set(d, table_.offset);
     const V half = hn::Set(d, 0.5f);
     // Without distortion the image of a line is a line: along the segment the direction, times the
     // depth, is constant.
@@ -220,37 +259,14 @@ class LaneScorer {
 
       weight = hn::Mul(weight, hn::Min(one, rule_.paper ? spacing : hn::Mul(spacing, iz)));
       const RoundedDown x(d, hn::Sub(u, half)), y(d, hn::Sub(v, half));
-      // Not u - x: one rounding less, which is what the position in the image is good to.
+      // Not u - x: this has one rounding less.
       const V frac_x = hn::MulAdd(fx, xn, hn::Sub(cx, x.value));
       const V frac_y = hn::MulAdd(fy, yn, hn::Sub(cy, y.value));
       const V row = hn::MulAdd(bin.lower, rows, y.value);  // exact: below 2^22
       const VI at = hn::IfThenElseZero(hn::RebindMask(di, valid),
                                        byteOffset(RoundedDown::bits(d, row), x.bits(d)));
-      const VU top =
-          hn::BitCast(du, hn::GatherOffset(di, reinterpret_cast<const int32_t*>(table_.pairs), at));
-      const VU bottom = hn::BitCast(
-          du,
-          hn::GatherOffset(di, reinterpret_cast<const int32_t*>(table_.pairs + table_.stride), at));
-      // Bytes from the low one up: (x, bin), (x, next bin), (x + 1, bin), (x + 1, next bin).
-      const VU low = hn::Set(du, 0xffu);
-      const auto number = [&](VU word) { return hn::ConvertTo(d, hn::BitCast(di, word)); };
-      const V a0 = number(hn::And(top, low));
-      const V b0 = number(hn::And(hn::ShiftRight<8>(top), low));
-      const V a1 = number(hn::And(hn::ShiftRight<16>(top), low));
-      const V b1 = number(hn::ShiftRight<24>(top));
-      const V c0 = number(hn::And(bottom, low));
-      const V e0 = number(hn::And(hn::ShiftRight<8>(bottom), low));
-      const V c1 = number(hn::And(hn::ShiftRight<16>(bottom), low));
-      const V e1 = number(hn::ShiftRight<24>(bottom));
-      if (table_.has_ignored)
-        valid = hn::And(valid, hn::Gt(hn::Min(hn::Min(a0, a1), hn::Min(c0, c1)), zero));
-      const auto mix = [](V from, V to, V share) {
-        return hn::MulAdd(share, hn::Sub(to, from), from);
-      };
-      const V value_a = mix(mix(a0, a1, frac_x), mix(c0, c1, frac_x), frac_y);
-      const V value_b = mix(mix(b0, b1, frac_x), mix(e0, e1, frac_x), frac_y);
-      const V score = hn::MulAdd(scale, mix(value_a, value_b, bin.fraction), offset);
-      // A sample that is not valid may have no finite score.
+      const V score = scoreAt(at, frac_x, frac_y, bin.fraction, &valid);
+      // The score of an invalid sample may not be finite.
       sums->group_score =
           hn::IfThenElse(valid, hn::MulAdd(weight, score, sums->group_score), sums->group_score);
       sums->group_weight =

@@ -1,6 +1,6 @@
-/// What the kernel's camera does to points and directions, a vector of them at a time.
+/// Distortion of the kernel's camera, for a vector of points at a time.
 ///
-/// To be included anew for every instruction set: hence the guard that turns over.
+/// This file is included once per instruction set, hence the include guard that toggles.
 #if defined(EDGE_MCL_CORE_KERNEL_CAMERA_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef EDGE_MCL_CORE_KERNEL_CAMERA_INL_H
 #undef EDGE_MCL_CORE_KERNEL_CAMERA_INL_H
@@ -26,22 +26,24 @@ using V = hn::Vec<D>;
 using VI = hn::Vec<DI>;
 using VU = hn::Vec<DU>;
 
-/// 1/v to within two units in the last place.
+/// Computes 1/v to within two units in the last place.
 HWY_INLINE V reciprocal(D d, V v) {
   const V guess = hn::ApproximateReciprocal(v);
   const V once = hn::MulAdd(guess, hn::NegMulAdd(v, guess, hn::Set(d, 1.0f)), guess);
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-  return once;  // from 14 bits to all of them
+  return once;  // one step refines 14 bits to all bits
 #else
   return hn::MulAdd(once, hn::NegMulAdd(v, once, hn::Set(d, 1.0f)), once);
 #endif
 }
 
-/// Normalised image coordinates after distortion, and the distortion's Jacobian.
+/// Normalised image coordinates after distortion, and the symmetric Jacobian of the distortion.
 struct Distorted {
   V x, y, j00, j01, j11;
 };
 
+/// Distorts normalised image coordinates (x, y), with r2 = x^2 + y^2.
+/// @tparam kModel DistortionModel.
 template <int kModel>
 HWY_INLINE Distorted distort(D d, V x, V y, V r2, const KernelCamera& camera) {
   const auto k = [&](int i) { return hn::Set(d, camera.k[i]); };

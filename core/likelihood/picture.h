@@ -1,4 +1,4 @@
-/// A camera picture whose score table is made by whoever needs it, on a device or here.
+/// A camera picture whose score table is made where it is needed, on a device or on the CPU.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,10 @@
 
 namespace edge_mcl {
 
+/// Grey picture and mask of one image. The score table can be made from it.
 class Picture {
  public:
-  /// @param grey CV_8U. @param ignore see ignoredPixels; empty for none.
+  /// @param grey CV_8U. @param ignore see ignoredPixels(); empty: no mask.
   Picture(cv::Mat grey, cv::Mat ignore, const ImageParameters& params,
           std::shared_ptr<const ScoreLevels> levels);
 
@@ -21,7 +22,7 @@ class Picture {
   const cv::Mat& ignore() const { return ignore_; }
   const ImageParameters& params() const { return params_; }
   const std::shared_ptr<const ScoreLevels>& levels() const { return levels_; }
-  /// Made here with the first call. Thread-safe.
+  /// Score table. The CPU makes it at the first call. Thread-safe.
   std::shared_ptr<const ScoreTable> table() const;
 
  private:

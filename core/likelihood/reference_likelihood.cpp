@@ -8,7 +8,8 @@ namespace edge_mcl {
 
 namespace {
 
-/// A sample as the camera sees it.
+/// A sample in the image. `direction` is the derivative of the pixel by the position along the
+/// line.
 struct ProjectedSample {
   bool valid = false;
   Eigen::Vector2d pixel, direction;
@@ -29,7 +30,7 @@ ProjectedSample projectSample(const LikelihoodFrame& frame, const Pose& camera_f
                 frame.camera.height - 1 - out.pixel.y()});
   const double fade =
       frame.params.border_fade > 0 ? std::min(1.0, border / frame.params.border_fade) : 1.0;
-  // Of the projected unit tangent, pixels per metre.
+  // Length of the projected unit tangent (sum of both components), pixels per metre.
   const double length = std::abs(out.direction.x()) + std::abs(out.direction.y());
   const double by_depth = frame.params.model == LikelihoodModel::kPaper ? p.z() : 1;
   out.weight = fade * std::min(1.0, spacingScale(frame) * length * by_depth);
@@ -37,7 +38,7 @@ ProjectedSample projectSample(const LikelihoodFrame& frame, const Pose& camera_f
   return out;
 }
 
-/// Trilinear score over pixel and direction; false inside the mask.
+/// Score by trilinear interpolation over pixel and direction. @return false inside the mask.
 bool tableScore(const ScoreTable& table, const ProjectedSample& sample, double* score) {
   const double bin = diamondAngle(sample.direction.x(), sample.direction.y()) * table.bins() / 2;
   const int bin_a = static_cast<int>(bin) % table.bins(), bin_b = (bin_a + 1) % table.bins();
@@ -54,12 +55,12 @@ bool tableScore(const ScoreTable& table, const ProjectedSample& sample, double* 
   return true;
 }
 
-/// Sums of one line, closed at its end.
+/// Sums over the samples of one line.
 struct LineSums {
   double score = 0, weight = 0;
 };
 
-/// How much a line counts, and its score, added to the sums.
+/// Adds the score of a line, and how much the line counts, to the sums. Clears the line.
 void closeLine(const LikelihoodParameters& params, LineSums* line, double* line_sum,
                double* line_count) {
   if (params.model == LikelihoodModel::kPaper) {

@@ -23,7 +23,7 @@ double logRatio(const LikelihoodParameters& params, double distance, double clut
 
 double meanLogRatioByChance(const LikelihoodParameters& params, double clutter,
                             double search_length) {
-  constexpr int kSteps = 400;  // Simpson's rule
+  constexpr int kSteps = 400;  // of Simpson's rule
   const double h = search_length / kSteps;
   double sum = 0;
   for (int i = 0; i <= kSteps; ++i) {
@@ -47,7 +47,8 @@ double sampleScore(const LikelihoodParameters& params, double distance, double c
 namespace {
 
 constexpr double kLeastClutter = 0.004, kMostClutter = 0.15;
-/// Densities are rounded to these many levels, evenly on a logarithmic scale.
+/// Number of levels to which densities are rounded. Levels are evenly spaced on a logarithmic
+/// scale.
 constexpr int kLevels = 24;
 
 double densityOfLevel(double level) {
@@ -60,7 +61,7 @@ double usableClutter(double density) { return std::clamp(density, kLeastClutter,
 
 ScoreLevels::ScoreLevels(const ImageParameters& image, const LikelihoodParameters& params,
                          bool centred)
-    // In the paper's model clutter plays no part.
+    // In the paper's model clutter has no effect.
     : levels_(params.model == LikelihoodModel::kPaper ? 1 : kLevels) {
   const SearchGeometry search(image);
   std::vector<std::array<double, 256>> score(search.bins() * levels_);

@@ -24,7 +24,7 @@ void ScoreTable::checkSize(int width, int height, int bins) {
   if (bytes >= std::numeric_limits<int32_t>::max())
     throw InputError("an image of " + std::to_string(width) + "x" + std::to_string(height) +
                      " pixels is too large for " + std::to_string(bins) +
-                     " directions (image.orientation_bins): reduce either");
+                     " directions (image.orientation_bins): reduce one of them");
 }
 
 ScoreTable::ScoreTable(const EdgeField& field, const ScoreLevels& levels)
@@ -34,12 +34,14 @@ ScoreTable::ScoreTable(const EdgeField& field, const ScoreLevels& levels)
       has_ignored_(!field.ignore().empty()),
       scale_(levels.scale()),
       offset_(levels.offset()),
-      // One more element: the kernels read two neighbours at once, beyond the last column too.
+      // One more element, because the kernels read two neighbours at once, also beyond the last
+      // column.
       pairs_(static_cast<size_t>(bins_) * rows() * stride() + 1) {
   checkSize(width_, height_, bins_);
   const size_t plane = static_cast<size_t>(rows()) * stride();
   pairs_[bins_ * plane] = 0;
-  // Eight rows share their densities of clutter; all bins of a row at once stay in the caches.
+  // Eight rows share their densities of clutter. All bins of a row are done together, so that they
+  // stay in the caches.
   tbb::parallel_for(0, (height_ + kCell - 1) / kCell, [&](int cell_row) {
     const size_t cells = (static_cast<size_t>(width_) + kCell - 1) / kCell;
     std::vector<const uint8_t*> codes_of_cell(bins_ * cells);

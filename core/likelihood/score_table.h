@@ -1,4 +1,4 @@
-/// Per-image table of sample scores, read by the likelihood kernels.
+/// Table of the sample scores of one image, read by the likelihood kernels.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,23 @@
 
 namespace edge_mcl {
 
-/// Scores as bytes, 1..255 linear between lowest and highest score; 0 marks ignored pixels, in
-/// every bin. A bin and the next one (cyclic) are stored side by side, as the kernels interpolate
-/// between them; a row and a column more than the image has spare them the border.
+/// Scores of one image as bytes 1..255, linear between the lowest and the highest score. 0 marks
+/// ignored pixels, in every bin. The scores of a bin and of the next bin (cyclic) are stored side
+/// by side, because the kernels interpolate between them. The table has one row and one column more
+/// than the image, so that the kernels need not check for the border.
 class ScoreTable {
  public:
-  /// @throws InputError, see checkSize.
+  /// Makes the table. @throws InputError when it is too large, see checkSize().
   ScoreTable(const EdgeField& field, const ScoreLevels& levels);
-  /// @throws InputError where the table would be too large for the kernels' 32-bit offsets.
+  /// Checks the size of a table.
+  /// @throws InputError when it is too large for the 32-bit offsets of the kernels.
   static void checkSize(int width, int height, int bins);
 
   int width() const { return width_; }
   int height() const { return height_; }
   int bins() const { return bins_; }
-  /// Row-major (bin, y, x), rows of stride() elements, bins of rows() rows; low byte: score in this
-  /// bin, high byte: score in the next.
+  /// Elements in the order (bin, y, x). Rows have stride() elements, and bins have rows() rows. Low
+  /// byte: score in this bin. High byte: score in the next bin.
   const uint16_t* pairs() const { return pairs_.data(); }
   size_t pairCount() const { return pairs_.size(); }
   int stride() const { return width_ + 1; }

@@ -1,4 +1,4 @@
-/// A set of segment numbers with their ranks: merges the visible sets of several cells.
+/// A set of segment numbers with ranks. It merges the visible sets of several cells.
 #pragma once
 
 #include <cstdint>
@@ -6,15 +6,15 @@
 
 namespace edge_mcl {
 
-/// One bit per segment of the model, so that merging needs no sorting.
+/// Set of segment numbers, with one bit per segment of the model. So merging needs no sorting.
 class SegmentUnion {
  public:
   explicit SegmentUnion(size_t segments) : bits_((segments + 63) / 64, 0) {}
 
   void insert(uint32_t index) { bits_[index / 64] |= uint64_t{1} << index % 64; }
 
-  /// Keeps the numbers for which `keep` holds, ascending; rank() is valid afterwards.
-  /// @return them.
+  /// Removes the numbers for which `keep` is false. Afterwards rank() is valid.
+  /// @return the remaining numbers, ascending.
   template <class Keep>
   std::vector<uint32_t> filter(const Keep& keep) {
     std::vector<uint32_t> kept;
@@ -32,7 +32,7 @@ class SegmentUnion {
     return kept;
   }
 
-  /// Position of a number among those kept; -1 when it is not.
+  /// Position of a number among the remaining numbers; -1 when it is not among them.
   int32_t rank(uint32_t index) const {
     const uint64_t bit = uint64_t{1} << index % 64, word = bits_[index / 64];
     if (!(word & bit)) return -1;
@@ -42,7 +42,7 @@ class SegmentUnion {
  private:
   static uint32_t lowestBit(uint64_t word) { return static_cast<uint32_t>(__builtin_ctzll(word)); }
   std::vector<uint64_t> bits_;
-  std::vector<uint32_t> before_;  // kept numbers before each word
+  std::vector<uint32_t> before_;  // remaining numbers before each word
 };
 
 }  // namespace edge_mcl

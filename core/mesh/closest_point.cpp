@@ -66,7 +66,8 @@ ClosestFace::Hit ClosestFace::find(const Eigen::Vector3d& point, double reach) c
     const Eigen::Vector3d closest = closestPointOnTriangle(q->point, v[0], v[1], v[2]);
     const double distance = (closest - q->point).norm();
     if (distance > q->hit.distance) return false;
-    // Of faces at one distance, the first: the order of visits must not matter.
+    // Of several faces at the same distance the first one counts, because the order of visits must
+    // not matter.
     if (q->hit.found && distance == q->hit.distance && q->hit.face < arguments->primID)
       return false;
     q->hit = {true, arguments->primID, closest, distance};

@@ -1,4 +1,4 @@
-/// The nearest face of a mesh.
+/// Search for the face of a mesh that is nearest to a point.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,27 +8,32 @@
 
 namespace edge_mcl {
 
-/// The point of a triangle that is closest to `p` (C. Ericson, "Real-Time Collision Detection",
-/// section 5.1.5: by the Voronoi regions of corners, edges and face).
+/// Returns the point of the triangle (a, b, c) that is closest to `p`. Source: C. Ericson,
+/// "Real-Time Collision Detection", section 5.1.5 (by the Voronoi regions of corners, edges and
+/// face).
 Eigen::Vector3d closestPointOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                                        const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-/// Finds the face closest to a point. Safe to use from several threads.
+/// Finds the face of a mesh that is closest to a point. Safe to use from several threads.
 class ClosestFace {
  public:
-  /// The mesh must outlive this object. @throws Error when memory runs out.
+  /// The mesh must outlive this object.
+  /// @throws Error when the ray caster cannot be started or memory runs out.
   explicit ClosestFace(const MeshModel& mesh);
   ~ClosestFace();
   ClosestFace(const ClosestFace&) = delete;
   ClosestFace& operator=(const ClosestFace&) = delete;
 
   struct Hit {
-    bool found = false;
-    uint32_t face = 0;
+    bool found = false;  ///< false: no face within reach
+    uint32_t face = 0;   ///< index into MeshModel::triangles
+    /// Point of the face that is closest, map frame.
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
-    double distance = 0;
+    double distance = 0;  ///< m; the reach when no face is found
   };
-  /// @param reach m; faces farther away are not found.
+  /// Finds the closest face.
+  /// @param point map frame, metres.
+  /// @param reach largest distance of a face, m.
   Hit find(const Eigen::Vector3d& point, double reach) const;
 
  private:

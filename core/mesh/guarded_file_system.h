@@ -1,13 +1,14 @@
-/// File access for assimp that ends what would not end by itself.
+/// File access for assimp that ends endless reading.
 #pragma once
 
 #include <assimp/DefaultIOSystem.h>
 
 namespace edge_mcl {
 
-/// Some of assimp's readers (5.2: PLY without "end_header") ask for more data for ever when a file
-/// ends too early. Streams of this file system throw std::runtime_error after many vain reads in
-/// sequence, which assimp turns into a failed import.
+/// Opens files for assimp and stops readers that never end. Some readers of assimp (5.2: PLY
+/// without "end_header") ask for more data forever when a file ends too early. The streams of this
+/// file system throw std::runtime_error after more than 10000 empty reads in a row. assimp turns
+/// the exception into a failed import.
 class GuardedFileSystem : public Assimp::DefaultIOSystem {
  public:
   Assimp::IOStream* Open(const char* file, const char* mode) override;

@@ -1,4 +1,4 @@
-// Reading mesh files through assimp.
+// Reads mesh files through assimp.
 #include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
@@ -14,6 +14,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/base/se3.h"
 #include "edge_mcl/core/mesh/guarded_file_system.h"
@@ -25,9 +26,10 @@ namespace edge_mcl {
 
 namespace {
 
-/// assimp's triangulation takes indices as they come and ends the process where a mesh has
-/// empty faces but no polygons.
-/// @return number of empty faces, which are taken out.
+/// Removes empty faces and checks the vertex numbers of all faces. The triangulation of assimp does
+/// not check the numbers. It ends the process when a mesh has empty faces but no polygons.
+/// @return number of empty faces that were removed.
+/// @throws InputError when a face refers to a vertex that does not exist.
 size_t prepareForTriangulation(aiScene* scene, const std::string& origin) {
   size_t empty = 0;
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
@@ -48,13 +50,14 @@ size_t prepareForTriangulation(aiScene* scene, const std::string& origin) {
     }
     empty += mesh.mNumFaces - kept;
     mesh.mNumFaces = kept;
-    mesh.mPrimitiveTypes = types;  // an empty face counts as a polygon there
+    mesh.mPrimitiveTypes = types;  // assimp counts an empty face as a polygon
   }
   return empty;
 }
 
-/// assimp makes flat and overlapping triangles of polygons several of whose corners lie on one
-/// line, and those leave edges where there are none. What is not convex is cut here.
+/// Cuts polygons that are not strictly convex into triangles. If several corners of a polygon lie
+/// on one line, assimp makes flat and overlapping triangles of it. They leave edges where there are
+/// none. A polygon that cannot be cut here is left to assimp.
 void cutPolygons(aiMesh* mesh) {
   std::vector<aiFace> faces;
   bool any = false;
@@ -74,12 +77,13 @@ void cutPolygons(aiMesh* mesh) {
       faces.emplace_back();
       faces.back().mNumIndices = 3;
       faces.back().mIndices =
-          new unsigned[3]{face.mIndices[a], face.mIndices[b], face.mIndices[c]};  // the face's own
+          // Face deletes it.
+          new unsigned[3]{face.mIndices[a], face.mIndices[b], face.mIndices[c]};
       any = true;
     }
   }
   if (!any) return;
-  // A mesh that says it has polygons, and has none, ends the process.
+  // assimp ends the process when a mesh is marked as having polygons but has none.
   mesh->mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
   if (std::none_of(faces.begin(), faces.end(),
                    [](const aiFace& face) { return face.mNumIndices > 3; }))
@@ -90,8 +94,9 @@ void cutPolygons(aiMesh* mesh) {
   std::copy(faces.begin(), faces.end(), mesh->mFaces);
 }
 
-/// What the nearest to the origin of all vertices may be off by, as coordinates are read in single
-/// precision, m. What lies far out alone does not count.
+/// Rounding error of the vertex that is nearest to the file's origin, m. Coordinates are read in
+/// single precision, so vertices far from the origin are coarse. The nearest vertex decides, so
+/// that a few far vertices do not count.
 double coarsenessOf(const MeshSoup& soup, const MapParameters& params,
                     const Eigen::Affine3d& to_map) {
   constexpr double kPrecision = 1.2e-7;
@@ -132,7 +137,6 @@ void appendNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& par
 }
 
 Eigen::Affine3d mapTransform(const MapParameters& params) {
-  constexpr double kDegree = M_PI / 180;
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
   transform.translate(Eigen::Vector3d(params.x, params.y, params.z));
   transform.rotate(rotationFromAngles(params.roll_deg * kDegree, params.pitch_deg * kDegree,
@@ -141,8 +145,8 @@ Eigen::Affine3d mapTransform(const MapParameters& params) {
   return transform;
 }
 
-/// Coordinates are kept as they are in the file. Where z is up in a format, assimp turns them so
-/// that y is up; this turns them back.
+/// Rotation that undoes assimp's change of axes. The map keeps the axes of the file. If z is up in
+/// a format, assimp turns the coordinates so that y is up.
 Eigen::Affine3d fileAxes(const std::string& extension) {
   constexpr std::array<std::string_view, 6> kTurned{".ifc", ".ifczip", ".dxf",
                                                     ".3ds", ".ase",    ".ask"};
@@ -156,9 +160,9 @@ void addScaleWarnings(MeshModel* mesh) {
   const double diagonal = mesh->diagonal();
   if (diagonal > 500)
     mesh->report.warnings.push_back("the model is " + std::to_string(std::lround(diagonal)) +
-                                    " m across: in millimetres? (map.scale 0.001)");
+                                    " m across. Is it in millimetres? Then set map.scale to 0.001");
   if (diagonal < 0.02)
-    mesh->report.warnings.push_back("the model is less than 2 cm across: wrong map.scale?");
+    mesh->report.warnings.push_back("the model is less than 2 cm across. Is map.scale right?");
   if (mesh->report.degenerate_triangles > 0)
     mesh->report.warnings.push_back(std::to_string(mesh->report.degenerate_triangles) +
                                     " degenerate triangles dropped");
@@ -186,13 +190,13 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
     importer.SetIOHandler(new GuardedFileSystem);  // the importer deletes it
-    // Comments, colours and texture coordinates are not needed; faces become triangles, but line
-    // elements stay.
+    // Comments, vertex colours and texture coordinates are not needed. Faces become triangles, but
+    // line elements stay.
     const aiScene* scene = nullptr;
     try {
       scene = importer.ReadFile(file, 0);
       if (scene) {
-        // The scene belongs to the importer, which hands it out for reading only.
+        // The importer owns the scene and gives it out as const, hence the cast.
         empty_faces = prepareForTriangulation(const_cast<aiScene*>(scene), file);
         for (unsigned m = 0; m < scene->mNumMeshes; ++m) cutPolygons(scene->mMeshes[m]);
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
@@ -215,12 +219,12 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
     appendNode(*scene, *scene->mRootNode, aiMatrix4x4(), mapTransform(params) * fileAxes(extension),
                &soup);
   }
-  if (soup.vertices.empty()) throw InputError(file + ": no vertices in it");
+  if (soup.vertices.empty()) throw InputError(file + ": the model has no vertices");
   const double coarseness = coarsenessOf(soup, params, mapTransform(params) * fileAxes(extension));
   const std::string far_off =
-      "the model lies so far from the origin of its file that its coordinates are read to " +
+      "the model is so far from the origin of its file that its coordinates have an error of " +
       std::to_string(std::lround(1000 * std::min(coarseness, 1e6))) +
-      " mm only: move it near the origin there (map.x, ... come too late)";
+      " mm. Move it near the origin in the file (map.x, map.y and map.z do not help)";
   if (std::isfinite(coarseness) && coarseness > 0.01) throw InputError(file + ": " + far_off);
   double tolerance = params.weld_tolerance;
   if (tolerance <= 0) {

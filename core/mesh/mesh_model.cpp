@@ -42,7 +42,8 @@ struct CellHash {
   }
 };
 
-/// Maps every vertex to a representative within the tolerance (first come, first kept).
+/// Maps every vertex to a representative within the tolerance. The first vertex at a place
+/// represents the later ones.
 std::vector<Index> weldMap(const std::vector<Eigen::Vector3f>& vertices, double tolerance) {
   std::vector<Index> representative = exactDuplicates(vertices);
   if (tolerance <= 0) return representative;
@@ -55,7 +56,8 @@ std::vector<Index> weldMap(const std::vector<Eigen::Vector3f>& vertices, double 
     const Cell home{static_cast<int64_t>(std::floor(scaled.x())),
                     static_cast<int64_t>(std::floor(scaled.y())),
                     static_cast<int64_t>(std::floor(scaled.z()))};
-    // A ball of half a cell touches the home cell and its nearer neighbour on each axis.
+    // A ball with a radius of half a cell touches the home cell and, on each axis, only the nearer
+    // neighbour.
     const auto side = [](double s) { return s - std::floor(s) < 0.5 ? -1 : 1; };
     const int sx = side(scaled.x()), sy = side(scaled.y()), sz = side(scaled.z());
     Index found = i;
@@ -81,10 +83,11 @@ void requireSaneVertices(const MeshSoup& soup, const std::string& origin) {
   for (size_t i = 0; i < soup.vertices.size(); ++i) {
     const auto& v = soup.vertices[i];
     if (!v.allFinite())
-      throw InputError(origin + ": vertex " + std::to_string(i) + " is not a finite number");
+      throw InputError(origin + ": vertex " + std::to_string(i) +
+                       " has a coordinate that is not finite");
     if (v.cwiseAbs().maxCoeff() > kAbsurd)
       throw InputError(origin + ": vertex " + std::to_string(i) +
-                       " lies more than 1000 km from the origin (wrong scale?)");
+                       " is more than 1000 km from the origin (is map.scale right?)");
   }
 }
 
@@ -154,7 +157,7 @@ MeshModel weldMesh(MeshSoup soup, double weld_tolerance, const std::string& orig
       mesh.lines.push_back({use(line[0]), use(line[1])});
   }
   if (mesh.triangles.empty() && mesh.lines.empty())
-    throw InputError(origin + ": no usable face or line element in it");
+    throw InputError(origin + ": the model has no usable face or line element");
 
   mesh.lowest = mesh.highest = mesh.vertices.front();
   for (const auto& v : mesh.vertices) {

@@ -28,7 +28,7 @@ bool isType(const std::string& word) {
   return std::find(kTypes.begin(), kTypes.end(), word) != kTypes.end();
 }
 
-/// Whether a count is a number that a file can hold.
+/// Whether a word is a count that a file can hold: one to ten digits.
 bool isCount(const std::string& word) {
   return !word.empty() && word.size() <= 10 &&
          word.find_first_not_of("0123456789") == std::string::npos;

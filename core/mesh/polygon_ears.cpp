@@ -9,11 +9,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStraight = 1e-3;  // sine of the angle at a corner
-constexpr double kFlat = 1e-5;      // twice the area by the square of the longest side; also the
-                                // square of a corner's distance from the plane by twice the area
+constexpr double kStraight = 1e-3;  // smallest sine of the turn at a convex corner
+/// Limit of three ratios: twice the area of a triangle to the square of its longest side, the
+/// square of a corner's distance from the plane to twice the area of the polygon, and the slack of
+/// covers() to twice the area of the triangle.
+constexpr double kFlat = 1e-5;
 
-/// As long as twice the area.
+/// Normal of a polygon. Its length is twice the area.
 Vector3d newellNormal(const std::vector<Vector3d>& corners) {
   Vector3d normal = Vector3d::Zero();
   for (size_t i = 0; i < corners.size(); ++i)
@@ -21,19 +23,21 @@ Vector3d newellNormal(const std::vector<Vector3d>& corners) {
   return normal;
 }
 
-/// Twice the area as seen along a unit normal; positive where it turns as the normal says.
+/// Twice the area of a triangle, seen along a unit normal. It is positive when the triangle turns
+/// counter-clockwise about the normal.
 double areaOf(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& normal) {
   return (b - a).cross(c - a).dot(normal);
 }
 
-/// Twice the area by the square of the longest side: 0.87 where all are equal.
+/// Twice the area of a triangle divided by the square of its longest side. It is 0.87 when all
+/// sides are equal.
 double fatnessOf(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& normal) {
   const double longest =
       std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   return longest > 0 ? areaOf(a, b, c, normal) / longest : 0;
 }
 
-/// Inside or on the border.
+/// Whether p lies inside the triangle (a, b, c) or on its border.
 bool covers(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p,
             const Vector3d& normal) {
   const double slack = -kFlat * areaOf(a, b, c, normal);
@@ -63,7 +67,7 @@ std::vector<std::array<unsigned, 3>> cutEars(const std::vector<Vector3d>& corner
   if (!(whole > 0)) return {};
   normal /= whole;
 
-  // A corner that comes twice in a row is one.
+  // A corner that occurs twice in a row counts once.
   std::vector<unsigned> left;
   for (unsigned i = 0; i < n; ++i) {
     if (corners[i] != corners[(i + 1) % n]) left.push_back(i);
@@ -80,7 +84,7 @@ std::vector<std::array<unsigned, 3>> cutEars(const std::vector<Vector3d>& corner
                      &c = corners[left[(i + 1) % count]];
       const double fatness = fatnessOf(a, b, c, normal);
       if (fatness <= fattest) continue;
-      // Corners at the same place belong to a bridge to a hole.
+      // Corners at the same place as a, b or c do not count: they belong to a bridge to a hole.
       if (std::any_of(left.begin(), left.end(), [&](unsigned k) {
             const Vector3d& p = corners[k];
             return p != a && p != b && p != c && covers(a, b, c, p, normal);

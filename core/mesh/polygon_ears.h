@@ -1,4 +1,4 @@
-/// Triangles of a polygon that is not convex.
+/// Triangulation of polygons that are not convex.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,16 +7,16 @@
 
 namespace edge_mcl {
 
-/// Whether it turns the same way at every corner, and at none goes (nearly) straight on, as where
-/// another wall begins.
+/// Whether a polygon turns the same way at every corner. It is not strictly convex if it goes
+/// (nearly) straight on at a corner, e.g. where another wall begins.
 bool isStrictlyConvex(const std::vector<Eigen::Vector3d>& corners);
 
-/// Cuts off the fattest ear again and again (G. Meisters, "Polygons have ears", 1975), so that
-/// every corner stays a corner of triangles that have an area: no triangle is flat, none has a
-/// corner on its side.
-/// @param corners of a flat polygon, in order, any units.
-/// @return numbers of corners, turning as the polygon does; empty where it is not flat, has more
-/// than 300 corners, or no ear is found (it crosses itself).
+/// Cuts a flat polygon into triangles. It cuts off the fattest ear again and again (G. Meisters,
+/// "Polygons have ears", 1975). Every corner stays a corner of triangles that have an area: no
+/// triangle is flat, and no triangle has a corner on its side.
+/// @param corners of a flat polygon, in order, any unit.
+/// @return numbers of corners, with the winding of the polygon. Empty when the polygon is not flat,
+///   has fewer than 3 or more than 300 corners, or has no ear (it crosses itself).
 std::vector<std::array<unsigned, 3>> cutEars(const std::vector<Eigen::Vector3d>& corners);
 
 }  // namespace edge_mcl

@@ -1,4 +1,4 @@
-/// A mesh in the ray caster. This header needs no Embree.
+/// Access to a mesh in the ray caster. This header needs no header of Embree.
 #pragma once
 
 #include "edge_mcl/core/mesh/mesh_model.h"
@@ -8,12 +8,14 @@ struct RTCSceneTy;
 
 namespace edge_mcl {
 
-/// Adds the mesh's triangles to an Embree scene, which the caller commits; faces keep their
-/// numbers. @throws Error when memory runs out.
+/// Adds the triangles of a mesh to an Embree scene. Faces keep their numbers. The caller commits
+/// the scene.
+/// @throws Error when memory runs out.
 void attachMesh(RTCDeviceTy* device, RTCSceneTy* scene, const MeshModel& mesh);
 
-/// Whether something lies between two points. @param margin share of the way that does not count at
-/// its begin; at its end, `end_margin`.
+/// Whether a surface lies between two points (map frame, metres).
+/// @param margin share of the way that is ignored at its start.
+/// @param end_margin share of the way that is ignored at its end.
 bool isBlocked(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f& to,
                float margin, float end_margin);
 

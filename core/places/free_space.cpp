@@ -31,8 +31,8 @@ struct FreeSpace::Scene {
 
 namespace {
 
-/// Evenly spread over the sphere: A. Gonzalez, "Measurement of areas on a sphere using Fibonacci
-/// and latitude-longitude lattices", Mathematical Geosciences 42, 2010.
+/// Unit vectors that are spread evenly over the sphere (A. Gonzalez, "Measurement of areas on a
+/// sphere using Fibonacci and latitude-longitude lattices", Mathematical Geosciences 42, 2010).
 std::vector<Eigen::Vector3d> directions(int count) {
   const double golden = M_PI * (3 - std::sqrt(5.0));
   std::vector<Eigen::Vector3d> result;
@@ -56,14 +56,15 @@ FreeSpace::FreeSpace(const MeshModel& mesh, const Options& options) : options_(o
     scene_ = std::make_unique<Scene>(mesh);
     closest_ = std::make_unique<ClosestFace>(mesh);
   }
-  // A first look, to know whether there is an inside at all.
+  // A coarse grid tells whether the model surrounds any space.
   constexpr double kLooks = 4000;
   const double box = (high_ - low_).cwiseMax(1e-3).prod();
   const double spacing = std::cbrt(box / kLooks);
   enclosed_ = scene_ != nullptr && options_.enclosure > 0;
   const double cell = spacing * spacing * spacing;
   volume_ = static_cast<double>(places(spacing).size()) * cell;
-  constexpr double kNoInside = 0.02;  // share of the bounds
+  // Share of the bounds; with less free space the model surrounds nothing.
+  constexpr double kNoInside = 0.02;
   if (enclosed_ && volume_ < kNoInside * box) {
     enclosed_ = false;
     volume_ = static_cast<double>(places(spacing).size()) * cell;
@@ -99,7 +100,7 @@ bool FreeSpace::admits(const Eigen::Vector3d& position) const {
 }
 
 std::vector<Eigen::Vector3d> FreeSpace::places(double spacing) const {
-  // The outermost ones lie half a spacing inside the bounds.
+  // The outermost positions lie half a step inside the bounds.
   Eigen::Vector3i count;
   for (int k = 0; k < 3; ++k)
     count[k] = std::max(1, static_cast<int>(std::ceil((high_[k] - low_[k]) / spacing)));

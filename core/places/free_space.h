@@ -1,4 +1,4 @@
-/// Where inside a model a camera can be.
+/// The part of a model's space in which a camera can be.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,32 +11,37 @@ namespace edge_mcl {
 
 class ClosestFace;
 
-/// Inside is what surfaces surround, and not too close to any of them. A model without faces, or
-/// one that surrounds nothing (an object, a room without walls), is free everywhere in its bounds,
-/// as far as the clearance allows.
+/// Tells whether a camera can be at a position. A position is free when surfaces surround it and no
+/// surface is closer than the clearance. Some models surround nothing (no faces, an object, a room
+/// without walls). Their free space is everything inside their bounds, as far as the clearance
+/// allows.
 class FreeSpace {
  public:
   struct Options {
-    double clearance = 0.2;  ///< m to every surface
-    double enclosure = 0.7;  ///< share of all directions in which there must be a surface
+    double clearance = 0.2;  ///< smallest distance from every surface, m
+    double enclosure = 0.7;  ///< smallest share of all directions that hit a surface
   };
-  /// The mesh must outlive this object. @throws Error when memory runs out, InputError when the
-  /// model is empty.
+  /// Measures the free volume. The mesh must outlive this object.
+  /// @throws Error when the ray caster cannot be started or memory runs out.
+  /// @throws InputError when the model is empty.
   FreeSpace(const MeshModel& mesh, const Options& options);
   ~FreeSpace();
   FreeSpace(const FreeSpace&) = delete;
   FreeSpace& operator=(const FreeSpace&) = delete;
 
+  /// Whether a camera can be at a position (map frame, metres).
   bool contains(const Eigen::Vector3d& position) const;
-  /// Less strict, for poses that were estimated: half the clearance is enough, and where the model
-  /// surrounds nothing at all, places outside its bounds count, too.
+  /// Whether an estimated position (map frame, metres) is possible. This is less strict than
+  /// contains(): half the clearance is enough. If the model surrounds nothing, positions outside
+  /// its bounds are possible, too.
   bool admits(const Eigen::Vector3d& position) const;
-  /// False: nothing is surrounded, everything in the bounds counts.
+  /// Whether the model surrounds space. If not, everything inside the bounds counts as surrounded.
   bool isEnclosed() const { return enclosed_; }
-  /// m^3, to some per cent.
+  /// Free volume in m^3, to some per cent.
   double volume() const { return volume_; }
 
-  /// Free places on a cubic grid, in a fixed order.
+  /// Free positions (map frame) on a cubic grid, in a fixed order.
+  /// @param spacing largest distance between neighbours along an axis, m.
   std::vector<Eigen::Vector3d> places(double spacing) const;
 
  private:

@@ -21,7 +21,7 @@ SearchPlaces::SearchPlaces(const FreeSpace& space, const Visibility& visibility,
     places.push_back({position, nullptr});
   if (places.empty())
     throw InputError(
-        "search: no place in the model is as far from its surfaces as search.clearance");
+        "search: no place in the model is at least search.clearance away from all surfaces");
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
     places[i].visible =
         std::make_shared<const VisibleSet>(visibility.exact(places[i].position, thinning));

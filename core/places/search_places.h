@@ -1,4 +1,4 @@
-/// Places all over the inside of a model, with what a camera sees there.
+/// Places all over the free space of a model, with the samples that are visible from them.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,23 +11,26 @@
 
 namespace edge_mcl {
 
-/// Takes seconds for a building; made once per map, when a pose is first looked for.
+/// Holds the places from which a search for the pose starts. It takes seconds for a building. It is
+/// made once per map, at the first search.
 struct SearchPlaces {
   struct Place {
     Eigen::Vector3d position;                   ///< map frame
-    std::shared_ptr<const VisibleSet> visible;  ///< thinned
+    std::shared_ptr<const VisibleSet> visible;  ///< samples visible from the position, thinned
   };
   std::vector<Place> places;
-  double spacing = 0;     ///< m
-  uint32_t thinning = 1;  ///< of the visible sets
+  double spacing = 0;     ///< distance between neighbouring places, m
+  uint32_t thinning = 1;  ///< thinning of the visible sets
 
+  /// Covers the free space with about `params.max_places` places at most, `params.place_spacing`
+  /// apart at least.
   /// @throws InputError when the free space holds no place.
   SearchPlaces(const FreeSpace& space, const Visibility& visibility,
                const SearchParameters& params);
 
-  /// The thinning of the samples at which so many of the model's are left, about.
+  /// Thinning at which about `samples` samples of the model remain.
   static uint32_t thinningTo(const EdgeModel& model, size_t samples);
-  /// As used for the places.
+  /// Thinning that is used for the places: about 2500 samples of the model remain.
   static uint32_t thinningFor(const EdgeModel& model) { return thinningTo(model, 2500); }
 };
 

@@ -36,7 +36,7 @@ Pose poseFromList(const std::vector<double>& v, const std::string& where) {
     if (!std::isfinite(x)) throw InputError(where + " has a number that is not finite");
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
   if (std::abs(q.norm() - 1) > 0.01)
-    throw InputError(where + ": the quaternion has no unit length");
+    throw InputError(where + ": the quaternion must have unit length");
   Pose pose = Pose::Identity();
   pose.linear() = q.normalized().toRotationMatrix();
   pose.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
@@ -59,7 +59,7 @@ void readDescription(const std::string& file, Sequence* sequence) {
     if (root["initial_std"]) {
       const auto s = root["initial_std"].as<std::vector<double>>();
       if (s.size() != 2 || !(s[0] >= 0) || !(s[1] >= 0) || !std::isfinite(s[0] + s[1]))
-        throw InputError(file + ": initial_std must be two numbers of zero or more: m, rad");
+        throw InputError(file + ": initial_std must be two numbers (m, rad), each zero or more");
       sequence->initial_std_position = s[0];
       sequence->initial_std_angle = s[1];
     }
@@ -68,7 +68,7 @@ void readDescription(const std::string& file, Sequence* sequence) {
   }
 }
 
-/// The files of a list, with their directory, in the order of time.
+/// Files of a list, with their directory, in the order of time.
 std::vector<StampedFile> sortedList(const fs::path& directory, const std::string& list) {
   std::vector<StampedFile> files = readFileList((directory / list).string());
   for (StampedFile& entry : files) entry.file = (directory / entry.file).string();
@@ -77,7 +77,9 @@ std::vector<StampedFile> sortedList(const fs::path& directory, const std::string
   return files;
 }
 
-/// Odometry at a time: as recorded there, else between its neighbours, or a little beyond its ends.
+/// Odometry at a time. A pose recorded at this time is returned as it is. Otherwise the pose is
+/// interpolated between its neighbours, or extrapolated a little beyond the ends of the list. If
+/// that is not possible, it is the nearest pose within 5 ms.
 std::optional<Pose> odometryAt(const Trajectory& odometry, double time) {
   constexpr double kSameStamp = 1e-6, kLargestGap = 0.5, kBeyond = 0.05;  // s
   const StampedPose* nearest = nearestInTime(odometry, time);
@@ -97,10 +99,10 @@ std::optional<Pose> odometryAt(const Trajectory& odometry, double time) {
 
 std::string missingMasks(size_t count, size_t images) {
   return "mask.txt: none for " + std::to_string(count) + " of " + std::to_string(images) +
-         " images at their time";
+         " images (within 5 ms)";
 }
 
-/// Lists whose times are not those of the images are more often a mistake than not.
+/// Warns of lists whose times do not fit the images, because this is usually a mistake.
 void warnOfWhatDoesNotMatch(bool has_masks, const std::string& directory, Sequence* sequence) {
   size_t odometry = 0, masks = 0, depths = 0;
   for (const SequenceFrame& f : sequence->frames) {
@@ -114,7 +116,7 @@ void warnOfWhatDoesNotMatch(bool has_masks, const std::string& directory, Sequen
   const size_t images = sequence->frames.size();
   if (sequence->has_odometry && odometry < images)
     warn("odometry.txt: none for " + std::to_string(images - odometry) + " of " +
-         std::to_string(images) + " images at their time");
+         std::to_string(images) + " images (no pose near their time)");
   if (has_masks && masks == 0) warn("mask.txt: no mask has the time of an image (within 5 ms)");
   if (masks > 0 && masks < images) warn(missingMasks(images - masks, images));
   if (!sequence->depths.empty() && depths == 0)
@@ -125,7 +127,7 @@ void warnOfWhatDoesNotMatch(bool has_masks, const std::string& directory, Sequen
 
 const Pose& startOf(const Sequence& sequence) {
   if (!sequence.initial_pose)
-    throw InputError(sequence.directory + "/sequence.yaml: no initial_pose in it");
+    throw InputError(sequence.directory + "/sequence.yaml: initial_pose is missing");
   return *sequence.initial_pose;
 }
 
@@ -171,13 +173,13 @@ Sequence readSequence(const std::string& directory) {
   sequence.has_odometry = !odometry.empty();
 
   for (const StampedFile& entry : readFileList(inside("rgb.txt"))) {
-    constexpr double kLatest = 1e11;  // s, some 3000 years
+    constexpr double kLatest = 1e11;  // s, about 3000 years
     if (std::abs(entry.time) > kLatest)
       throw InputError(inside("rgb.txt") + ": the stamp " + entry.time_text +
-                       " is no time in seconds (milli- or nanoseconds?)");
+                       " is not a time in seconds (is it in milliseconds or nanoseconds?)");
     if (!sequence.frames.empty() && entry.time <= sequence.frames.back().time) {
       sequence.warnings.push_back(inside("rgb.txt") + ": time goes back at " + entry.time_text +
-                                  ", image left out");
+                                  ", the image is left out");
       continue;
     }
     SequenceFrame frame;
@@ -223,7 +225,8 @@ cv::Mat readMask(const std::string& file, const CameraModel& camera) {
 
 cv::Mat readDepth(const std::string& file, const CameraModel& camera) {
   cv::Mat depth = readImage(file, camera);
-  if (depth.type() != CV_16UC1) throw InputError(file + ": not a depth image of 16 bits");
+  if (depth.type() != CV_16UC1)
+    throw InputError(file + ": a depth image must have one channel of 16 bits");
   return depth;
 }
 

@@ -51,7 +51,7 @@ Trajectory readTrajectory(const std::string& file) {
     for (int i = 0; i < 8; ++i) v[i] = parseFinite(fields[i], where);
     const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
     if (std::abs(q.norm() - 1) > 0.01)
-      throw InputError(where + ": the quaternion has no unit length");
+      throw InputError(where + ": the quaternion must have unit length");
     if (!trajectory.empty() && v[0] <= trajectory.back().time)
       throw InputError(where + ": time does not increase");
     StampedPose entry;

@@ -1,4 +1,4 @@
-"""Batches of training images, varied; the same seed and step give the same batch."""
+"""Makes batches of randomly varied training images. The same seed and step give the same batch."""
 import os
 from concurrent.futures import ThreadPoolExecutor
 
@@ -9,7 +9,7 @@ cv2.setNumThreads(1)
 
 
 class Images:
-    """What edge_mcl_training_images wrote."""
+    """Reads the images and labels that edge_mcl_training_images wrote into a folder."""
 
     def __init__(self, directory):
         self.directory = directory
@@ -27,7 +27,11 @@ class Images:
 
 
 def placed(image, label, width, height, r, zoom):
-    """A zoomed, perhaps mirrored part; what lies outside is grey and background."""
+    """Returns a zoomed part of image and label, mirrored with probability 0.5.
+
+    Pixels outside the image become grey (114) with the label 0 (background). width and height are the
+    size of the result in pixels. zoom is a pair: least and largest factor.
+    """
     scale = width / image.shape[1] * np.exp(r.uniform(np.log(zoom[0]), np.log(zoom[1])))
     aspect = np.exp(r.uniform(-0.1, 0.1))
     sx, sy = scale * aspect, scale / aspect
@@ -44,7 +48,7 @@ def placed(image, label, width, height, r, zoom):
 
 
 def spoiled(image, r):
-    """Exposure, colour, blur, noise and compression of a real camera."""
+    """Changes exposure and colour and adds blur, noise and compression, as in a real camera."""
     ramp = np.linspace(0, 1, 256)
     gain = np.exp(r.normal(0, 0.2)) * np.exp(r.normal(0, 0.06, 3))
     gamma, lift = np.exp(r.normal(0, 0.2)), r.uniform(-0.04, 0.06)
@@ -69,6 +73,7 @@ def spoiled(image, r):
 
 
 def training_batch(images, seed, step, size, width, height, zoom):
+    """Returns `size` images (N, H, W, 3) and labels (N, H, W) as bytes, chosen and varied at random."""
     r = np.random.default_rng([seed, step])
     colors, labels = [], []
     for i in r.integers(0, len(images), size):
@@ -80,7 +85,7 @@ def training_batch(images, seed, step, size, width, height, zoom):
 
 
 def ahead(function, first, last):
-    """function(first..last-1), one call ahead of its use."""
+    """Yields (step, function(step)) for first to last - 1. The next call runs ahead in a thread."""
     with ThreadPoolExecutor(1) as worker:
         waiting = worker.submit(function, first) if first < last else None
         for step in range(first, last):

@@ -1,20 +1,21 @@
-"""The default network: a small encoder-decoder that says for every pixel what stands there.
+"""Defines the default network: a small encoder-decoder that classifies every pixel.
 
-Inverted residuals (Sandler et al. 2018, arXiv:1801.04381) with plain ReLU, as OpenCV 4.6 cannot read
-a clipped one; a summary of the whole picture is added at the coarsest level, as in
-arXiv:1706.05587; skip connections bring the outlines back. Scores come out at half the resolution.
+It has inverted residuals (Sandler et al. 2018, arXiv:1801.04381) with plain ReLU, because OpenCV 4.6
+cannot read a clipped ReLU. A summary of the whole image is added at a coarse level, as in
+arXiv:1706.05587. Skip connections bring the outlines back. The scores have half the resolution of the
+input.
 """
-import torch
 import torch.nn.functional as F
 from torch import nn
 
 CLASSES = ["background", "person", "sofa", "chair", "computer", "screen"]
 WIDTH, HEIGHT = 320, 240
-# Colours are 0 to 1, blue green red; the network sees (colour - MEAN) / SPREAD.
+# The input of the network is (colour - MEAN) / SPREAD. Colours are 0 to 1, blue green red.
 MEAN, SPREAD = 0.45, 0.25
 
 
 def convolution(inputs, outputs, kernel=1, stride=1, groups=1, dilation=1, active=True):
+    """Returns a convolution with batch normalization and, if active, ReLU."""
     layers = [nn.Conv2d(inputs, outputs, kernel, stride, dilation * (kernel // 2), dilation, groups,
                         bias=False), nn.BatchNorm2d(outputs)]
     if active:
@@ -23,6 +24,8 @@ def convolution(inputs, outputs, kernel=1, stride=1, groups=1, dilation=1, activ
 
 
 class InvertedResidual(nn.Module):
+    """Block of arXiv:1801.04381: widen, convolve every channel, narrow, add the input."""
+
     def __init__(self, inputs, outputs, stride=1, widening=3, dilation=1):
         super().__init__()
         middle = inputs * widening
@@ -37,6 +40,8 @@ class InvertedResidual(nn.Module):
 
 
 class Residual(nn.Module):
+    """Adds a 3x3 convolution of the rectified input to the input."""
+
     def __init__(self, channels):
         super().__init__()
         self.body = nn.Sequential(nn.ReLU(), convolution(channels, channels, 3, active=False))
@@ -46,9 +51,11 @@ class Residual(nn.Module):
 
 
 class Network(nn.Module):
+    """Maps images (N, 3, H, W) to scores before softmax (N, classes, H/2, W/2)."""
+
     def __init__(self, classes=len(CLASSES)):
         super().__init__()
-        # Dense convolutions where the maps are large: there the widening costs more than it gains.
+        # The first levels are dense convolutions: on large maps widening costs more than it gains.
         self.to_half = convolution(3, 16, 3, 2)
         self.to_quarter = nn.Sequential(convolution(16, 32, 3, 2), Residual(32))
         self.to_eighth = nn.Sequential(convolution(32, 48, 3, 2), Residual(48), Residual(48))
@@ -56,12 +63,12 @@ class Network(nn.Module):
             InvertedResidual(48, 96, 2, 4), InvertedResidual(96, 96), InvertedResidual(96, 96, dilation=2),
             InvertedResidual(96, 96, dilation=4), InvertedResidual(96, 96, dilation=2),
             InvertedResidual(96, 96, dilation=4), InvertedResidual(96, 96))
-        # Objects that fill the image are taken in at a glance only where it is coarser still.
+        # This level sees objects that fill the image as a whole.
         self.to_thirtysecond = nn.Sequential(
             InvertedResidual(96, 144, 2), InvertedResidual(144, 144), InvertedResidual(144, 144, dilation=2),
             InvertedResidual(144, 144))
         self.from_thirtysecond = convolution(144, 96, active=False)
-        # It begins by adding nothing, so that weights of a network without it can be gone on from.
+        # This level starts with weight 0, so that training can start from a network without it.
         nn.init.zeros_(self.from_thirtysecond[1].weight)
         self.summary = nn.Sequential(nn.AdaptiveAvgPool2d(1), nn.Conv2d(96, 96, 1), nn.ReLU(inplace=True))
         self.deep = convolution(96, 48, active=False)
@@ -79,7 +86,8 @@ class Network(nn.Module):
         eighth = self.to_eighth(quarter)
         deep = self.to_sixteenth(eighth)
         coarsest = self.from_thirtysecond(self.to_thirtysecond(deep))
-        # Not by a factor: at 320x240 the coarsest level is 10x8, and twice that is a row too many.
+        # The size is given instead of a factor: for 320x240 the coarsest level is 10x8, and twice
+        # its size has one row too many.
         coarsest = F.interpolate(coarsest, size=tuple(int(n) for n in deep.shape[2:]), mode="bilinear",
                                  align_corners=False)
         deep = self.deep(deep + coarsest + self.summary(deep))
@@ -89,9 +97,10 @@ class Network(nn.Module):
 
 
 def larger(x):
+    """Doubles width and height of the maps."""
     return F.interpolate(x, scale_factor=2.0, mode="bilinear", align_corners=False)
 
 
 def normalised(images):
-    """Byte pictures (N, H, W, 3) as the network wants them."""
+    """Converts byte images (N, H, W, 3) to the network's input (N, 3, H, W)."""
     return ((images.permute(0, 3, 1, 2).float() / 255) - MEAN) / SPREAD

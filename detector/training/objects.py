@@ -1,12 +1,12 @@
-"""The objects of the training images: furniture catalogues of Debian, and variants made here.
+"""Collects the objects of the training images: furniture catalogues of Debian, and variants made here.
 
     objects.py OUT_DIR
 
-Writes OBJ files and index.txt, one object per line, tab separated:
+Writes OBJ files and index.txt. The index has one object per line, separated by tabs, in metres:
     class  split  width  depth  height  elevation  rotation  file
-in metres; rotation is nine numbers (rows) that turn the file's axes, then y up becomes z up; `-` for
-files that are z up already. A quarter of the movable objects belongs to the test split and is never
-seen in training: which one follows from the object's name alone.
+rotation has nine numbers (by rows) that turn the axes of the file; afterwards y up becomes z up. It is
+`-` for files with z up. About a quarter of the movable objects belongs to the test split and is never
+used in training. The split of an object follows from its name alone.
 """
 import hashlib
 import os
@@ -20,9 +20,9 @@ sys.path.insert(0, os.path.join(TRAINING, "..", "..", "maps"))
 from solid import Mesh, boxes, circle, prism, write_materials, write_obj  # noqa: E402
 
 CATALOGUES = "/usr/share/sweethome3d/furniture"
-LARGEST_FILE = 1_600_000  # bytes of an OBJ; larger ones make no better pictures at 320x240
+LARGEST_FILE = 1_600_000  # bytes of an OBJ file; larger files give no better images at 320x240
 
-# Class by catalogue name; what is not named is background. Order matters: the first match counts.
+# Class by catalogue name. The first match counts. An object without a match is background.
 CLASS_BY_NAME = [
     ("background", r"screen door|japanese|tv stand|television|intercom|cctv|remote|deck chair|"
                    r"beach chair|pool|bathroom|child swing|chair-ottoman"),
@@ -32,7 +32,7 @@ CLASS_BY_NAME = [
     ("computer", r"imac|laptop|ibook"),
     ("screen", r"^tv|wall flat tv"),
 ]
-# Not furniture of a room, or flat things that would only lie about.
+# Left out of the background: objects that are no furniture of a room, and flat objects.
 LEFT_OUT = (r"pool|swim|parking|crossing|road|rail|garage|car\b|sedan|truck|bus\b|van$|suv|scenic|"
             r"peugeot|smart|leon|chevrolet|focus|beetle|biplane|boat|container|tree|maple|pine|"
             r"poplar|cypress|acacia|beech|coconut|hedge|palm|hut|tent|street|football|jacuzzi|"
@@ -42,10 +42,12 @@ INDOORS = {"Bedroom", "Living room", "Office", "Kitchen", "Bathroom", "Miscellan
 
 
 def split_of(name):
+    """Returns "test" for about a quarter of all names, otherwise "train"."""
     return "test" if hashlib.sha256(name.encode()).digest()[0] % 4 == 0 else "train"
 
 
 def read_catalogue(text):
+    """Reads the properties file of a catalogue. Returns a dict for every object, in the file's order."""
     entries = {}
     for line in text.splitlines():
         match = re.match(r"(\w+)#(\d+)=(.*)", line.strip())
@@ -55,6 +57,7 @@ def read_catalogue(text):
 
 
 def class_of(entry):
+    """Returns the class of a catalogue entry by its name and the name of its model file."""
     text = entry["name"].lower()
     for name, pattern in CLASS_BY_NAME:
         if re.search(pattern, text) or re.search(pattern, entry["model"].lower()):
@@ -63,6 +66,7 @@ def class_of(entry):
 
 
 def extract_catalogues(out):
+    """Extracts the catalogue objects into the folder `out`. Yields the index entry of every object."""
     for file in sorted(os.listdir(CATALOGUES)):
         if not file.endswith(".sh3f"):
             continue
@@ -111,7 +115,7 @@ def random_chair(r):
             for y in (-d, d - leg):
                 parts.append(("b", (x, y, 0), (x + leg, y + leg, seat - t)))
         return boxes(*parts)
-    mesh = boxes(*parts)  # an office chair: column and star
+    mesh = boxes(*parts)  # office chair with a column and a five-armed base
     mesh.add(prism("b", circle(.03, 8), .08, seat - t))
     for i in range(5):
         mesh.add(boxes(("b", (0, -.02, .05), (.30, .02, .09))), (0, 0, 0), 72 * i)
@@ -144,7 +148,7 @@ def random_sofa(r):
 def random_computer(r):
     w, d, h = r.uniform(.08, .12), r.uniform(.18, .27), r.uniform(.32, .52)
     if r.random() < .15:
-        w, d, h = r.uniform(.18, .22), r.uniform(.18, .22), r.uniform(.10, .15)  # lies down
+        w, d, h = r.uniform(.18, .22), r.uniform(.18, .22), r.uniform(.10, .15)  # a lying computer
     f = -d - .008
     mesh = boxes(("a", (-w, -d, .015), (w, d, h)))
     for y in (-d + .02, d - .05):
@@ -176,7 +180,7 @@ def random_screen(r):
     mesh.add(boxes(("b", (-.04, t, .01), (.04, t + .02, foot + .5 * h))))
     base = r.uniform(.3, .7) * w
     mesh.add(boxes(("b", (-base, -.08, 0), (base, .10, .012))))
-    if r.random() < .12:  # an old, deep one
+    if r.random() < .12:  # an old, deep screen
         mesh.add(boxes(("b", (-.7 * w, t, foot + .1 * h), (.7 * w, t + r.uniform(.2, .35), foot + .9 * h))))
     return mesh
 
@@ -214,6 +218,7 @@ MAKERS = {"chair": random_chair, "sofa": random_sofa, "computer": random_compute
 
 
 def make_variants(out, count=48):
+    """Makes `count` random objects of every class in MAKERS. Yields the index entry of every object."""
     folder = os.path.join(out, "made")
     os.makedirs(folder, exist_ok=True)
     write_materials(os.path.join(folder, "made.mtl"),
@@ -237,7 +242,7 @@ def main():
     rows = list(extract_catalogues(out)) + list(make_variants(out))
     with open(os.path.join(out, "index.txt"), "w", newline="\n") as index:
         for name, split, width, depth, height, elevation, rotation, file in rows:
-            # Background serves both splits: it is what the network must not find.
+            # Both splits use the same background objects, which the network must not find.
             split = "both" if name == "background" else split
             index.write(f"{name}\t{split}\t{width:.4f}\t{depth:.4f}\t{height:.4f}\t{elevation:.3f}\t"
                         f"{rotation}\t{file}\n")

@@ -1,5 +1,5 @@
-/// Renders training images: OUT/NUMBER.jpg with its labels OUT/NUMBER.png. Image k of a seed is
-/// always the same, so that an interrupted run goes on where it stopped.
+/// Renders training images OUT/NUMBER.jpg with their labels OUT/NUMBER.png. Image k of a seed is
+/// always the same, so that an interrupted run continues where it stopped.
 #include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
@@ -28,12 +28,12 @@ int main(int argc, char** argv) {
   size_t count = 16;
   uint64_t seed = 1;
   int width = 320, height = 240;
-  app.add_option("objects", objects_directory, "what objects.py made")->required();
+  app.add_option("objects", objects_directory, "folder that objects.py made")->required();
   app.add_option("out", out, "directory for the images")->required();
-  app.add_option("--split", split, "train or test: whose objects are used")
+  app.add_option("--split", split, "train or test: the objects of this split are used")
       ->check(CLI::IsMember({"train", "test"}));
-  app.add_option("--count", count, "images")->capture_default_str();
-  app.add_option("--seed", seed, "of the rooms")->capture_default_str();
+  app.add_option("--count", count, "number of images")->capture_default_str();
+  app.add_option("--seed", seed, "seed of the rooms")->capture_default_str();
   app.add_option("--width", width)->capture_default_str()->check(CLI::Range(16, 4096));
   app.add_option("--height", height)->capture_default_str()->check(CLI::Range(16, 4096));
   CLI11_PARSE(app, argc, argv);

@@ -42,7 +42,7 @@ float clouds(const Eigen::Vector3f& p, uint32_t seed) {
          0.14f * valueNoise(4.3f * p, seed + 2);
 }
 
-/// Two coordinates in the surface: the axes that its normal does not follow.
+/// Returns two coordinates in the surface: the two axes along which its normal is smaller.
 Eigen::Vector2f unroll(const Eigen::Vector3f& p, const Eigen::Vector3f& n) {
   const Eigen::Vector3f a = n.cwiseAbs();
   if (a.z() >= a.x() && a.z() >= a.y()) return {p.x(), p.y()};
@@ -77,7 +77,7 @@ Eigen::Vector3f SurfacePattern::at(const Eigen::Vector3f& point,
     }
     case kWood:
       return blend(0.5f + 0.5f * std::sin(25 * clouds({0.35f * q.x(), 2.2f * q.y(), 0}, seed)));
-    case kPatches: {  // pictures, books, clutter: coloured cells of several sizes
+    case kPatches: {  // coloured rectangles of two sizes, like pictures, books or clutter
       const float scale = hashed(cell(q.x()), cell(q.y()), 5, seed) < 0.5f ? 1 : 3;
       const int x = cell(scale * q.x()), y = cell(scale * q.y());
       return {hashed(x, y, 7, seed), hashed(x, y, 8, seed), hashed(x, y, 9, seed)};

@@ -2,10 +2,10 @@
 
     train.py DATA_DIR RUN_DIR [--small-steps N] [--full-steps N] [--start WEIGHTS]
 
-DATA_DIR holds train/ and test/ as edge_mcl_training_images writes them. RUN_DIR gets checkpoint.pt,
-from which an interrupted run goes on, log.csv, and at the end network.onnx, network.pt (weights to
-start another training with) and metrics.json.
-First at 160x128, where a step costs a fifth, then at 320x240.
+DATA_DIR holds train/ and test/ as edge_mcl_training_images writes them. RUN_DIR gets log.csv and
+checkpoint.pt. An interrupted run continues from the checkpoint. At the end RUN_DIR gets network.onnx,
+network.pt (weights from which another training can start) and metrics.json.
+The training starts at 160x128, where a step takes a fifth of the time, and continues at 320x240.
 """
 import argparse
 import json
@@ -13,7 +13,7 @@ import os
 import sys
 import time
 
-os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # else shared cores spin instead of working
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # without it, threads that wait keep shared cores busy
 import cv2  # noqa: E402
 import numpy as np  # noqa: E402
 import torch  # noqa: E402
@@ -24,12 +24,16 @@ from data import Images, ahead, training_batch  # noqa: E402
 from metrics import Confusion  # noqa: E402
 from network import CLASSES, HEIGHT, WIDTH, Network, normalised  # noqa: E402
 
-# Rare classes weigh more in the cross-entropy, by about the root of how rare they are.
+# Weights of the classes in the cross-entropy. Rare classes weigh more, by about the root of their
+# rarity.
 WEIGHTS = torch.tensor([0.5, 1.5, 1.2, 1.8, 2.2, 1.8])
 
 
 def dice_loss(probabilities, truth):
-    """1 - Dice of each movable class and of all together, over the batch."""
+    """Returns half the mean of 1 - Dice over the movable classes, plus 1 - Dice of all together.
+
+    Both arrays are (N, classes, H, W). The counts are sums over the batch.
+    """
     overlap = (probabilities * truth).sum((0, 2, 3))
     total = probabilities.sum((0, 2, 3)) + truth.sum((0, 2, 3))
     by_class = 1 - (2 * overlap + 50) / (total + 50)
@@ -39,12 +43,14 @@ def dice_loss(probabilities, truth):
 
 
 def loss_of(scores, labels):
-    labels = labels[:, ::2, ::2]  # scores come at half the resolution
+    """Returns cross-entropy plus dice loss. scores: (N, classes, H/2, W/2); labels: (N, H, W)."""
+    labels = labels[:, ::2, ::2]  # the scores have half the resolution
     truth = F.one_hot(labels, len(CLASSES)).permute(0, 3, 1, 2).float()
     return F.cross_entropy(scores, labels, WEIGHTS) + dice_loss(scores.softmax(1), truth)
 
 
 def learning_rate(step, total, peak):
+    """Returns the learning rate: it rises for 5 % of the steps and then falls along a cosine."""
     if step < 0.05 * total:
         return peak * (step + 1) / (0.05 * total)
     return peak * (0.5 + 0.5 * np.cos(np.pi * (step - 0.05 * total) / (0.95 * total))) + 1e-5
@@ -52,7 +58,10 @@ def learning_rate(step, total, peak):
 
 @torch.no_grad()
 def evaluate(network, images, count, small=False):
-    """@param small at half the size, as the first part of the training."""
+    """Returns the figures of Confusion.summary() over the first `count` images.
+
+    small: the images are halved to 160x128, as in the first part of the training.
+    """
     network.eval()
     confusion = Confusion(len(CLASSES))
     for i in range(min(count, len(images))):
@@ -69,7 +78,7 @@ def evaluate(network, images, count, small=False):
 
 
 def averaged(average, network, step):
-    """A running mean of the weights generalises better than the last ones."""
+    """Updates a running mean of the weights, which generalises better than the last weights."""
     keep = min(0.998, (1 + step) / (10 + step))
     with torch.no_grad():
         for name, value in network.state_dict().items():
@@ -80,6 +89,7 @@ def averaged(average, network, step):
 
 
 def export(network, path):
+    """Writes the network as ONNX."""
     network.eval()
     torch.onnx.export(network, torch.zeros(1, 3, HEIGHT, WIDTH), path, opset_version=12,
                       input_names=["image"], output_names=["scores"])
@@ -87,7 +97,7 @@ def export(network, path):
 
 @torch.no_grad()
 def agreement(network, onnx, images, count):
-    """Mean IoU of the movable pixels that OpenCV and PyTorch find in the same images."""
+    """Returns the mean IoU between the movable pixels found by OpenCV and by PyTorch."""
     net, overlaps = cv2.dnn.readNetFromONNX(onnx), []
     for i in range(min(count, len(images))):
         inputs = normalised(torch.from_numpy(images.read(i)[0][None]))
@@ -101,12 +111,12 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     arguments.add_argument("data")
     arguments.add_argument("run")
-    arguments.add_argument("--small-steps", type=int, default=2200, help="of 32 images at 160x128")
-    arguments.add_argument("--full-steps", type=int, default=2600, help="of 16 images at 320x240")
+    arguments.add_argument("--small-steps", type=int, default=2200, help="steps of 32 images at 160x128")
+    arguments.add_argument("--full-steps", type=int, default=2600, help="steps of 16 images at 320x240")
     arguments.add_argument("--seed", type=int, default=1)
     arguments.add_argument("--peak-rate", type=float, default=3e-3,
-                           help="largest learning rate; less where good weights are gone on from")
-    arguments.add_argument("--start", help="weights to begin with, e.g. ../models/indoor.pt")
+                           help="largest learning rate; use less when --start gives good weights")
+    arguments.add_argument("--start", help="file with the first weights, e.g. ../models/indoor.pt")
     arguments.add_argument("--threads", type=int, default=2)
     options = arguments.parse_args()
 
@@ -119,9 +129,9 @@ def main():
     if options.start:
         lacking = network.load_state_dict(torch.load(options.start), strict=False)
         if lacking.unexpected_keys:
-            raise SystemExit(f"{options.start}: of another network: {', '.join(lacking.unexpected_keys)}")
+            raise SystemExit(f"{options.start}: the weights belong to another network: {', '.join(lacking.unexpected_keys)}")
         if lacking.missing_keys:
-            print(f"{options.start} knows nothing of {len(lacking.missing_keys)} of the network's tensors")
+            print(f"{options.start} lacks {len(lacking.missing_keys)} of the network's tensors")
     average = {k: v.clone() for k, v in network.state_dict().items()}
     optimizer = torch.optim.AdamW(network.parameters(), weight_decay=1e-2)
     total, first = options.small_steps + options.full_steps, 0
@@ -131,7 +141,7 @@ def main():
         network.load_state_dict(saved["network"])
         optimizer.load_state_dict(saved["optimizer"])
         average, first = saved["average"], saved["step"]
-        print(f"goes on at step {first}")
+        print(f"continues at step {first}")
 
     def batch(step):
         small = step < options.small_steps

@@ -49,7 +49,8 @@ IndexLine parse(const std::string& text, const std::string& origin, std::string*
   return line;
 }
 
-/// Turned, scaled to its size, standing on the floor.
+/// Turns the mesh to z up, scales it to the size of the index and puts it on z = 0, centred in x
+/// and y.
 void standUp(const IndexLine& line, MeshModel* mesh) {
   for (auto& v : mesh->vertices) v = line.to_z_up * v;
   Eigen::Vector3f low = mesh->vertices.front(), high = low;

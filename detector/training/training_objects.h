@@ -1,4 +1,4 @@
-/// The objects that training images are made of, ready for the ray caster.
+/// Loads the objects of the training images into the ray caster.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -10,25 +10,27 @@
 
 namespace edge_mcl {
 
-/// Classes of the labels; 0 is background.
+/// Names of the classes by label; 0 is the background.
 constexpr const char* kTrainingClasses[] = {"background", "person",   "sofa",
                                             "chair",      "computer", "screen"};
 
-/// A mesh, standing on z = 0, centred in x and y.
+/// A mesh that stands on z = 0 and is centred in x and y.
 struct TrainingObject {
-  int label = 0;
-  float elevation = 0;  ///< m, where it hangs on a wall
-  Eigen::Vector3f size;
+  int label = 0;         ///< number of the class
+  float elevation = 0;   ///< height of its lower side above the floor, m; not 0 on a wall
+  Eigen::Vector3f size;  ///< m
   MeshModel mesh;
-  std::vector<Eigen::Vector3f> normals;
+  std::vector<Eigen::Vector3f> normals;  ///< of the faces
   RTCScene scene = nullptr;
 };
 
-/// Reads index.txt of objects.py; a file that cannot be read is left out with a warning.
+/// All objects of one split, from index.txt of objects.py. A mesh that cannot be read is left out
+/// with a warning.
 class TrainingObjects {
  public:
-  /// @param split "train" or "test"; background serves both. @throws InputError when the index is
-  /// missing or broken, or a class has no object.
+  /// @param directory folder of index.txt. @param split "train" or "test"; objects of the split
+  /// "both" (the background) belong to both. @throws InputError when the index is missing or
+  /// broken, or a class has no object.
   TrainingObjects(const std::string& directory, const std::string& split);
   ~TrainingObjects();
   TrainingObjects(const TrainingObjects&) = delete;
@@ -44,8 +46,9 @@ class TrainingObjects {
   std::vector<std::vector<TrainingObject>> by_class_;
 };
 
-/// A committed ray-caster scene of one mesh.
+/// Makes a committed ray-caster scene of one mesh. The caller must release it.
 RTCScene makeScene(RTCDevice device, const MeshModel& mesh, RTCBuildQuality quality);
+/// Unit normals of the faces.
 std::vector<Eigen::Vector3f> faceNormals(const MeshModel& mesh);
 
 }  // namespace edge_mcl

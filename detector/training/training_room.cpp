@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kComputer = 4, kScreen = 5;  // labels
 
-/// Collects boxes and their patterns.
+/// Adds boxes and their patterns to a room.
 class RoomMaker {
  public:
   RoomMaker(TrainingRandom& random, bool plain, TrainingRoom* room)
@@ -31,14 +31,15 @@ class RoomMaker {
                                        {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
     for (int side = 0; side < 6; ++side) {
       const auto& s = kSides[side];
-      // A room has a floor, a ceiling and walls of a material each; a piece of furniture has one.
+      // The floor, the ceiling and the walls of a room have one material each. A piece of furniture
+      // has one material.
       const uint32_t m = inwards ? material + static_cast<uint32_t>(std::min(side, 2)) : material;
       face({first + s[0], first + s[1], first + s[2]}, m);
       face({first + s[0], first + s[2], first + s[3]}, m);
     }
   }
 
-  /// A box given by the middle of its foot, turned by quarters.
+  /// Adds a box. low and high are relative to the middle of its foot, before the turn.
   void piece(const Eigen::Vector3f& foot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
              int quarters, uint32_t material) {
     const auto turn = [&](const Eigen::Vector3f& v) -> Eigen::Vector3f {
@@ -71,7 +72,8 @@ float number(TrainingRandom& random, double low, double high) {
   return static_cast<float>(uniform(random, low, high));
 }
 
-/// Pictures, doors, windows, boards, cupboards: flat boxes on the walls.
+/// Adds flat boxes on the walls, like pictures, doors, windows, boards and cupboards. Also adds
+/// skirting boards, columns and beams.
 void fitWalls(TrainingRandom& random, RoomMaker* maker, const Eigen::Vector3f& size) {
   const int count = choose(random, 9);
   for (int i = 0; i < count; ++i) {
@@ -125,8 +127,9 @@ void fitWalls(TrainingRandom& random, RoomMaker* maker, const Eigen::Vector3f& s
   }
 }
 
-/// Tables, shelves, cabinets, beds, benches, boxes: what the network must leave alone.
-/// @return height of the top.
+/// Adds a table, shelf, cabinet or bed. These are background: the network must not find them.
+/// @param foot middle of its foot, room frame, m. @param radius is set to about half of its size.
+/// @return height of its top, m.
 float makeFurniture(TrainingRandom& random, RoomMaker* maker, const Eigen::Vector3f& foot,
                     float* radius, bool* is_table) {
   const int quarters = choose(random, 4);
@@ -135,7 +138,7 @@ float makeFurniture(TrainingRandom& random, RoomMaker* maker, const Eigen::Vecto
   const auto add = [&](const Eigen::Vector3f& low, const Eigen::Vector3f& high, uint32_t m) {
     maker->piece(foot, low, high, quarters, m);
   };
-  const int kind = choose(random, 5) % 4;  // tables twice
+  const int kind = choose(random, 5) % 4;  // tables are twice as likely as the others
   *is_table = kind == 0;
   if (kind == 0) {
     const float w = number(random, 0.35, 1.0), d = number(random, 0.28, 0.5),
@@ -207,14 +210,15 @@ float makeFurniture(TrainingRandom& random, RoomMaker* maker, const Eigen::Vecto
   return h;
 }
 
-/// @param yaw turn about the vertical, radians.
+/// Places an object with a random scale, mirroring and patterns. @param foot middle of its foot,
+/// room frame, m. @param yaw turn about the vertical, rad.
 PlacedObject place(TrainingRandom& random, const TrainingObject& object,
                    const Eigen::Vector3f& foot, float yaw, bool plain_room) {
   PlacedObject placed;
   placed.object = &object;
   const float scale = number(random, 0.92, 1.08);
   Eigen::Vector3f stretch(scale, scale, scale);
-  if (chance(random, 0.5)) stretch.x() *= -1;  // mirrored: another object
+  if (chance(random, 0.5)) stretch.x() *= -1;  // a mirrored object is like another object
   placed.T_room_object = Eigen::Translation3f(foot) *
                          Eigen::AngleAxisf(yaw, Eigen::Vector3f::UnitZ()) * Eigen::Scaling(stretch);
   const bool own_colors = chance(random, 0.6);
@@ -225,7 +229,7 @@ PlacedObject place(TrainingRandom& random, const TrainingObject& object,
   const MeshModel& mesh = object.mesh;
   for (const Eigen::Vector3f& own : mesh.material_colors) {
     SurfacePattern pattern = randomPattern(random, material, plain_share);
-    // A white or grey material is often one whose texture is not read.
+    // A white or grey material often has a texture that is not read, so its own colour is wrong.
     const bool textured = own.maxCoeff() - own.minCoeff() < 0.02f && own.maxCoeff() > 0.5f;
     if (own_colors && !(textured && chance(random, 0.5)))
       pattern.color = (own * number(random, 0.7, 1.2)).cwiseMax(0.02f).cwiseMin(1.0f);

@@ -77,7 +77,7 @@ TrainingView::Camera TrainingView::randomCamera(TrainingRandom& random, int widt
     camera.eye = {number(0.25, room_.size.x() - 0.25), number(0.25, room_.size.y() - 0.25),
                   number(0.4, std::min(2.6f, room_.size.z() - 0.25f))};
     if (inside(camera.eye)) continue;
-    // What stands between the camera and its aim would fill the picture.
+    // An object between the camera and its aim would fill the image.
     if (aim) {
       const Eigen::Vector3f middle =
           aim->T_room_object * Eigen::Vector3f(0, 0, 0.6f * aim->object->size.z());

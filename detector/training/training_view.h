@@ -1,4 +1,4 @@
-/// Pictures of a training room with their labels.
+/// Renders images of a training room with their labels.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -7,6 +7,7 @@
 
 namespace edge_mcl {
 
+/// An image and the label of every pixel.
 struct TrainingImage {
   cv::Mat color;  ///< CV_8UC3, blue green red
   cv::Mat label;  ///< CV_8U, number of the class
@@ -15,19 +16,21 @@ struct TrainingImage {
 /// A room in the ray caster.
 class TrainingView {
  public:
+  /// @param room must outlive this object. @param device of the objects' scenes.
   TrainingView(const TrainingRoom& room, RTCDevice device);
   ~TrainingView();
   TrainingView(const TrainingView&) = delete;
   TrainingView& operator=(const TrainingView&) = delete;
 
-  /// From somewhere in the room, as a small UAV looks; mostly towards an object.
+  /// Renders an image from a random place in the room, as a small UAV sees it. 80 % of the images
+  /// look towards a movable object, if there is one. @param width, height pixels.
   TrainingImage take(TrainingRandom& random, int width, int height) const;
 
  private:
   struct Camera {
     Eigen::Vector3f eye;
     Eigen::Matrix3f rotation;
-    float focal;  // of the sampled picture, pixels
+    float focal;  // focal length of the oversampled image, pixels
   };
   struct Sample {
     Eigen::Vector3f color;
@@ -41,7 +44,7 @@ class TrainingView {
   bool blocked(const Eigen::Vector3f& from, const Eigen::Vector3f& to) const;
 
   const TrainingRoom& room_;
-  std::vector<Eigen::Vector3f> normals_;  // of the room's faces
+  std::vector<Eigen::Vector3f> normals_;  // of the faces of the room's mesh
   RTCScene walls_ = nullptr, top_ = nullptr;
   std::vector<RTCGeometry> instances_;
 };

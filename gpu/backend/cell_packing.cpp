@@ -10,14 +10,15 @@ namespace {
 
 struct Line {
   std::vector<Sample> samples;
-  uint32_t direction = 0;  // a number; close ones are seen close to each other
+  uint32_t direction = 0;  // see directionNumber(); close numbers mean close directions
 };
 
 Eigen::Vector3f positionOf(const Sample& s) {
   return Eigen::Vector3f(s.centre) + s.along * Eigen::Vector3f(s.tangent);
 }
 
-/// Interleaves the bits of the direction's three coordinates (Morton order), five each.
+/// Returns a number for a direction: interleaves five bits of each of its coordinates (Morton
+/// order).
 uint32_t directionNumber(const Eigen::Vector3f& towards) {
   const float norm = towards.norm();
   if (!(norm > 0)) return 0;
@@ -57,7 +58,8 @@ std::vector<Line> linesOf(const VisibleSet& set, const Eigen::Vector3d& origin, 
   return lines;
 }
 
-/// Adds a sample to the last chunk of those from `first` on.
+/// Adds a sample to the last chunk. Makes a new chunk when the last one is full or has a number
+/// below `first`.
 void append(const Sample& sample, uint32_t line, size_t first, CellData* data) {
   if (data->chunks.size() == first || data->chunks.back().count == kLanes) {
     Chunk fresh{};
@@ -82,7 +84,7 @@ void boundSamples(const Sample* samples, Chunk* chunk) {
   for (uint32_t i = 0; i < chunk->count; ++i)
     radius = std::max(radius, (positionOf(samples[i]) - centre).norm());
   std::copy_n(centre.data(), 3, chunk->centre);
-  // Rounding of coordinates up to 100 m or so.
+  // Margin for the rounding of coordinates up to about 100 m.
   chunk->radius = radius + 1e-4F + 1e-6F * centre.norm();
 }
 

@@ -1,4 +1,4 @@
-/// Visible samples as the device stores them.
+/// Packs the visible samples of a cell in the layout of the device.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,18 @@
 
 namespace edge_mcl::gpu {
 
+/// A cell with its chunks and samples. Chunk numbers begin at 0.
 struct CellData {
   Cell cell{};
   std::vector<Chunk> chunks;
   std::vector<Sample> samples;  ///< kLanes for every chunk
 };
 
-/// Samples that thinning leaves, packed without gaps. Lines that are seen in similar directions lie
-/// side by side, so that a chunk out of view is often all out of view; they are dealt out to the
-/// parts evenly.
-/// @param origin near the cameras that use the cell, map, metres.
+/// Packs the visible samples that thinning leaves. Groups that lie in similar directions are side
+/// by side, so that all samples of a chunk are often out of view together. The groups are
+/// distributed evenly over the parts.
+/// @param origin a point near the cameras that use the cell, map, m. @param thinning see
+/// LikelihoodFrame::thinning.
 CellData packCell(const VisibleSet& set, const Eigen::Vector3d& origin, uint32_t thinning);
 
 }  // namespace edge_mcl::gpu

@@ -10,7 +10,7 @@ namespace edge_mcl::gpu {
 
 namespace {
 
-constexpr double kViewMargin = 1e-3;  // radians; far beyond the rounding of mayBeInView
+constexpr double kViewMargin = 1e-3;  // rad; far larger than the rounding of mayBeInView
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-/// The device backend on an NVIDIA GPU.
+/// Makes the device backend for an NVIDIA GPU.
 #pragma once
 
 #include <functional>
@@ -9,10 +9,10 @@
 
 namespace edge_mcl {
 
-/// Why there is no CUDA backend; empty when a device answers.
+/// Returns the reason why no CUDA backend is available; empty when a device answers.
 std::string whyNoCuda();
 
-/// @param warn see DeviceBackend. @throws Error without a device.
+/// Makes the backend. @param warn see DeviceBackend. @throws Error when no device can be used.
 std::unique_ptr<LikelihoodBackend> makeCudaBackend(std::shared_ptr<const Visibility> visibility,
                                                    std::function<void(const std::string&)> warn);
 

@@ -16,23 +16,25 @@ namespace edge_mcl {
 
 namespace {
 
-/// Memory of the cells on the device before all are dropped and uploaded anew as they are needed.
+/// Limit of the cells' memory on the device. Above it all cells are dropped and uploaded again when
+/// they are needed.
 constexpr size_t kMostCellBytes = size_t{1} << 30;
-/// Particles that are sent together: while the device scores some the host prepares the next.
+/// Number of particles that are sent together. While the device scores a batch, the host prepares
+/// the next one.
 size_t batchFor(size_t particles) {
   return std::clamp(particles / 4, size_t{16384}, size_t{131072});
 }
 constexpr size_t kMostRecipes = 8;
 
 bool isSame(const gpu::Camera& a, const gpu::Camera& b) {
-  // What else is in it depends on these.
+  // All other members depend on these.
   const auto numbers = [](const gpu::Camera& c) {
     return std::tie(c.fx, c.fy, c.cx, c.cy, c.last_x, c.last_y, c.distortion);
   };
   return numbers(a) == numbers(b) && std::equal(std::begin(a.k), std::end(a.k), std::begin(b.k));
 }
 
-/// Particles that a thread prepares at once.
+/// Number of particles that a thread prepares at once.
 constexpr size_t kGrain = 512;
 
 }  // namespace
@@ -55,14 +57,14 @@ std::string DeviceBackend::name() const {
 
 bool DeviceBackend::makesTables(const ImageParameters& params) const {
   std::lock_guard<std::mutex> lock(mutex_);
-  return engine_ && !visibility_->exactMode() && gpu::canMakeTables(params);
+  return engine_ && gpu::canMakeTables(params);
 }
 
 void DeviceBackend::prefetch(const LikelihoodFrame& frame) const {
   checkFrame(frame);
   std::lock_guard<std::mutex> lock(mutex_);
   try {
-    if (engine_ && !visibility_->exactMode()) imageOf(frame);
+    if (engine_) imageOf(frame);
   } catch (const gpu::DeviceError& e) {
     giveUp(e);
   }
@@ -79,13 +81,13 @@ const gpu::TableRecipe& DeviceBackend::recipeFor(const Picture& picture) const {
   } else {
     recipes_.push_back(
         {picture.levels(), gpu::recipeOf(width, height, picture.params(), *picture.levels())});
-    // The engine still has the one before the last.
+    // The oldest recipe is not in use: the engine refers at most to the one before the newest.
     if (recipes_.size() > kMostRecipes) recipes_.pop_front();
   }
   return recipes_.back().recipe;
 }
 
-/// Number of the frame's table on the device, where it is brought unless it is there.
+/// Returns the number of the frame's table on the device. Uploads the table when it is missing.
 int DeviceBackend::imageOf(const LikelihoodFrame& frame) const {
   const std::shared_ptr<const void> owner =
       frame.table ? std::shared_ptr<const void>(frame.table) : frame.picture;
@@ -113,7 +115,7 @@ int DeviceBackend::imageOf(const LikelihoodFrame& frame) const {
 void DeviceBackend::addCells(std::vector<CellKey> keys, uint32_t thinning) const {
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  // Packed they take many times the memory that they take in the cache.
+  // Packed cells take many times the memory of cells in the cache, so they are packed in batches.
   constexpr size_t kAtOnce = 256;
   for (size_t first = 0; first < keys.size(); first += kAtOnce) {
     std::vector<gpu::CellData> data(std::min(kAtOnce, keys.size() - first));
@@ -130,37 +132,37 @@ void DeviceBackend::addCells(std::vector<CellKey> keys, uint32_t thinning) const
   }
 }
 
-/// Particles [first, last) for the device; cells that it does not have are brought there.
+/// Converts the poses [first, last) to particles. Uploads the cells that the device does not have.
 void DeviceBackend::fill(const std::vector<Pose>& poses, uint32_t thinning, size_t first,
                          size_t last, gpu::Particle* particles) const {
   while (true) {
     std::mutex missing_mutex;
     std::vector<CellKey> missing;
-    tbb::parallel_for(tbb::blocked_range<size_t>(first, last, kGrain),
-                      [&](const tbb::blocked_range<size_t>& r) {
-                        std::vector<CellKey> unknown;
-                        std::optional<CellKey> known;  // most are in the cell of the one before
-                        uint32_t number = 0;
-                        for (size_t i = r.begin(); i < r.end(); ++i) {
-                          checkPose(poses[i]);
-                          const CellKey key = visibility_->cellOf(poses[i].translation());
-                          if (!known || !(key == *known)) {
-                            const auto entry = cells_.find({key, thinning});
-                            if (entry == cells_.end()) {
-                              unknown.push_back(key);
-                              continue;
-                            }
-                            known = key;
-                            number = entry->second;
-                          }
-                          particles[i] = gpu::particleOf(poses[i], number);
-                        }
-                        if (unknown.empty()) return;
-                        std::lock_guard<std::mutex> lock(missing_mutex);
-                        missing.insert(missing.end(), unknown.begin(), unknown.end());
-                      });
+    tbb::parallel_for(
+        tbb::blocked_range<size_t>(first, last, kGrain), [&](const tbb::blocked_range<size_t>& r) {
+          std::vector<CellKey> unknown;
+          std::optional<CellKey> known;  // most poses are in the cell of the pose before
+          uint32_t number = 0;
+          for (size_t i = r.begin(); i < r.end(); ++i) {
+            checkPose(poses[i]);
+            const CellKey key = visibility_->cellOf(poses[i].translation());
+            if (!known || !(key == *known)) {
+              const auto entry = cells_.find({key, thinning});
+              if (entry == cells_.end()) {
+                unknown.push_back(key);
+                continue;
+              }
+              known = key;
+              number = entry->second;
+            }
+            particles[i] = gpu::particleOf(poses[i], number);
+          }
+          if (unknown.empty()) return;
+          std::lock_guard<std::mutex> lock(missing_mutex);
+          missing.insert(missing.end(), unknown.begin(), unknown.end());
+        });
     if (missing.empty()) return;
-    // The device's memory may move: nothing must be under way.
+    // New cells may move the device's memory, so all scoring must be finished.
     engine_->wait();
     addCells(std::move(missing), thinning);
   }
@@ -184,7 +186,8 @@ std::vector<PoseScore> DeviceBackend::evaluateOnDevice(const LikelihoodFrame& fr
     fill(poses, frame.thinning, first, last, particles);
     engine_->submit(image, rule, combination, first, last - first);
   }
-  std::vector<PoseScore> scores(poses.size());  // before waiting: takes time with a million
+  std::vector<PoseScore> scores(
+      poses.size());  // allocated before waiting, because this takes time for a million
   const gpu::Result* results = engine_->wait();
   tbb::parallel_for(tbb::blocked_range<size_t>(0, poses.size(), 8 * kGrain),
                     [&](const tbb::blocked_range<size_t>& range) {
@@ -209,9 +212,8 @@ std::vector<PoseScore> DeviceBackend::evaluate(const LikelihoodFrame& frame,
   checkFrame(frame);
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    // Exact visibility gives every pose a set of its own: nothing to keep on a device.
     try {
-      if (engine_ && !visibility_->exactMode()) return evaluateOnDevice(frame, camera_poses);
+      if (engine_) return evaluateOnDevice(frame, camera_poses);
     } catch (const gpu::DeviceError& e) {
       giveUp(e);
     } catch (const std::bad_alloc&) {

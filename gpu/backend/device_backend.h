@@ -1,4 +1,4 @@
-/// Likelihood on a device behind the common interface.
+/// Computes the likelihood on a device, behind the common interface.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@
 
 namespace edge_mcl {
 
-/// Scores on the device; what the device fails to do is done again on the CPU, and from then on
-/// everything. Safe to use from many threads, which take turns.
+/// Scores particles on the device. When the device fails, this call and all later calls use the
+/// CPU. Thread-safe; threads take turns.
 class DeviceBackend : public LikelihoodBackend {
  public:
-  /// @param kind for name(), e.g. "cuda". @param warn called once, with one line, when the device
-  /// fails.
+  /// @param kind first word of name(), e.g. "cuda". @param warn is called once, with one line of
+  /// text, when the device fails; may be empty.
   DeviceBackend(std::string kind, std::unique_ptr<gpu::ScoringEngine> engine,
                 std::shared_ptr<const Visibility> visibility,
                 std::function<void(const std::string&)> warn);
@@ -33,12 +33,12 @@ class DeviceBackend : public LikelihoodBackend {
   void prefetch(const LikelihoodFrame& frame) const override;
 
  private:
-  /// A cell at a thinning.
+  /// A cell and the thinning of its samples.
   using CellName = std::pair<CellKey, uint32_t>;
-  /// Whose table the device holds; kept alive, so that no other can have its address.
+  /// A table that the device holds.
   struct Held {
-    std::shared_ptr<const void> owner;
-    uint64_t used = 0;  ///< when, in calls
+    std::shared_ptr<const void> owner;  ///< kept alive, so that no other table gets its address
+    uint64_t used = 0;                  ///< value of calls_ at the last use
     gpu::Camera camera{};
   };
   struct Recipe {
@@ -61,11 +61,11 @@ class DeviceBackend : public LikelihoodBackend {
   CpuBackend fallback_;
   mutable std::mutex mutex_;
   mutable std::unique_ptr<gpu::ScoringEngine> engine_;  ///< null after a failure
-  mutable std::map<CellName, uint32_t> cells_;          ///< on the device
+  mutable std::map<CellName, uint32_t> cells_;          ///< numbers of the cells on the device
   mutable size_t cell_bytes_ = 0;
   mutable std::array<Held, gpu::ScoringEngine::kImages> held_;
   mutable uint64_t calls_ = 0;
-  mutable std::list<Recipe> recipes_;  ///< for cameras of different sizes; the last used is last
+  mutable std::list<Recipe> recipes_;  ///< for images of different sizes; the last used is last
 };
 
 }  // namespace edge_mcl

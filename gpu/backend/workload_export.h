@@ -1,4 +1,4 @@
-/// A workload file's content from a map, an image and poses.
+/// Makes the content of a workload file from a map, an image and poses.
 #pragma once
 
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace edge_mcl::gpu {
 
-/// @param reference results of the CPU backend, one per pose. @param picture what the frame's table
-/// was made of, so that a device can make it, too.
+/// Makes a workload. @param camera_poses T_map_camera. @param reference results of the CPU backend,
+/// one per pose. @param picture image of the frame's table, so that a device can make the table,
+/// too; null: the workload has only the table.
 Workload makeWorkload(const std::string& name, const Visibility& visibility,
                       const LikelihoodFrame& frame, const std::vector<edge_mcl::Pose>& camera_poses,
                       const std::vector<PoseScore>& reference, const Picture* picture = nullptr);

@@ -1,4 +1,4 @@
-// edge_mcl_gpu_check: a workload file through the device (parity, time) or through the host
+// edge_mcl_gpu_check: runs a workload file on the device (parity, time, soak) or in the host
 // emulation.
 #include <algorithm>
 #include <chrono>
@@ -21,14 +21,16 @@ namespace {
 using namespace edge_mcl::gpu;
 
 constexpr int kOk = 0, kWrong = 1, kUsage = 2, kBroken = 3, kSkipped = 77;
-/// Allowed difference of log-likelihoods. Single precision places a sample to some 3e-5 pixels and
-/// a score changes by up to 5 per pixel; discounts bring the sum's error below this.
+/// Allowed difference of log-likelihoods. Single precision places a sample with an error of about
+/// 3e-5 pixels, and a score changes by up to 5 per pixel. The discounts of the likelihood bring the
+/// error of the sum below this value.
 constexpr double kTolerance = 1e-3;
 
 struct Agreement {
-  double largest = 0;
-  size_t swapped =
-      0;  ///< of the best 100 of one side, those whose rank differs beyond the tolerance
+  double largest = 0;  ///< difference of log-likelihoods
+  /// Number of ranks among the best 100 at which reference and result have different particles.
+  /// Only pairs whose reference values differ by more than the tolerance count.
+  size_t swapped = 0;
 };
 
 std::vector<uint32_t> ranking(const std::vector<double>& values) {
@@ -77,7 +79,7 @@ void setImage(const Workload& w, Engine* engine) {
                      {w.grey.data(), width, w.ignore.empty() ? nullptr : w.ignore.data(), width});
 }
 
-/// Weights of n particles, which are copied in batches while the device works on those before.
+/// Scores the particles. They are copied in batches, while the device works on the batch before.
 const Result* score(const Workload& w, const std::vector<Particle>& particles, Engine* engine) {
   constexpr size_t kBatch = 131072;
   Particle* to = engine->particles(particles.size());
@@ -94,7 +96,7 @@ std::vector<Result> scoreAll(const Workload& w, Engine* engine) {
   return {results, results + w.particles.size()};
 }
 
-/// Tables have to be the same to the last bit.
+/// Compares a table with the table of the workload. They must be equal to the last bit.
 bool reportTable(const char* what, const Workload& w, const std::vector<Quad>& made) {
   const std::vector<Quad> expected = emulateTable(w.table, w.pairs.data());
   size_t differ = made.size() == expected.size() ? 0 : expected.size();
@@ -118,10 +120,10 @@ double medianMilliseconds(int repeats, const std::function<void()>& work) {
   return ms[repeats / 2];
 }
 
-/// What the kernel works through for a particle, on average.
+/// Mean amount of work of the kernel per particle.
 struct Work {
-  double chunks = 0, samples = 0;  ///< of the cell
-  double samples_seen = 0;         ///< in chunks that may be in view
+  double chunks = 0, samples = 0;  ///< numbers in the particle's cell
+  double samples_seen = 0;         ///< number of samples in chunks that may be in view
 };
 
 Work workPerParticle(const Workload& w) {
@@ -141,10 +143,10 @@ Work workPerParticle(const Workload& w) {
   return {sum.chunks / n, sum.samples / n, sum.samples_seen / n};
 }
 
-/// How far the largest run was from what the device can do at best.
+/// Prints how near the largest run came to the limits of the device.
 void printRoofline(const Engine& engine, double samples, double kernel_ms) {
-  // Counted in scoreSample and transformPoint: single-precision arithmetic of a sample without
-  // distortion. Its look-ups are charged as if they all went to memory in sectors of 32 bytes.
+  // Operations: single-precision operations for a sample without distortion, counted in scoreSample
+  // and transformPoint. Bytes: every look-up counts as if it read a sector of 32 bytes of memory.
   constexpr double kOperations = 110, kBytes = 2 * 32;
   const DeviceLimits limits = engine.limits();
   const double per_second = samples / (1e-3 * kernel_ms);
@@ -173,7 +175,7 @@ void time(const Workload& w, Engine* engine) {
       setImage(w, engine);
       score(w, particles, engine);
     };
-    fromImage();  // warm: memory is allocated
+    fromImage();  // the first run allocates memory
     const double image = medianMilliseconds(repeats, fromImage);
     const double weights = medianMilliseconds(repeats, [&] { score(w, particles, engine); });
     const float last = engine->kernelMilliseconds();  // of the last batch
@@ -181,7 +183,7 @@ void time(const Workload& w, Engine* engine) {
       std::printf("%10zu %18.3f %14.3f %14.3f\n", n, image, weights, last);
       continue;
     }
-    // All in one batch, for the kernel alone.
+    // All particles are in one batch to measure the kernel alone.
     std::memcpy(engine->particles(n), particles.data(), n * sizeof(Particle));
     engine->submit(0, w.rule, w.combination, 0, n);
     engine->wait();
@@ -212,7 +214,7 @@ double residentMegabytes() {
   return static_cast<double>(resident) * 4096 / 1e6;
 }
 
-/// Many images one after the other: neither memory may grow.
+/// Processes many images. The memory of neither the host nor the device may grow.
 int soak(const Workload& w, Engine* engine) {
   constexpr int kUpdates = 100000;
   double host = 0, device = 0;
@@ -288,10 +290,10 @@ int main(int argc, char** argv) {
   if (mode != "parity" && mode != "emulate" && mode != "time" && mode != "soak") {
     std::fprintf(stderr,
                  "usage: edge_mcl_gpu_check parity|emulate|time|soak WORKLOAD\n"
-                 "  parity   device against the CPU backend's results in the file\n"
-                 "  emulate  the same kernel body on the host\n"
-                 "  time     milliseconds for 100 to 1,000,000 particles\n"
-                 "  soak     memory during 100,000 images\n"
+                 "  parity   compares the device with the CPU backend's results in the file\n"
+                 "  emulate  runs the kernel body on the host and compares it\n"
+                 "  time     measures milliseconds for 100 to 1,000,000 particles\n"
+                 "  soak     checks the memory during 100,000 images\n"
                  "`edge-mcl bench SEQUENCE --dump-workload WORKLOAD` writes the file.\n");
     return kUsage;
   }

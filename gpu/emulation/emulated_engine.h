@@ -1,4 +1,4 @@
-/// The engine's interface on the host, by the same kernel bodies: for tests where there is no
+/// Implements the engine's interface on the host with the same kernel bodies, for tests without a
 /// device.
 #pragma once
 
@@ -9,6 +9,7 @@
 
 namespace edge_mcl::gpu {
 
+/// A scoring engine on the host. Documentation of the methods: ScoringEngine.
 class EmulatedEngine : public ScoringEngine {
  public:
   std::string deviceName() const override { return "emulation on the host"; }
@@ -30,7 +31,7 @@ class EmulatedEngine : public ScoringEngine {
     std::vector<Quad> quads;
   };
   std::array<Image, kImages> image_;
-  Workload state_;  ///< cells, and what is scored at the moment
+  Workload state_;  ///< cells, and the data of the present submit()
   std::vector<Particle> particles_;
   std::vector<Result> results_;
 };

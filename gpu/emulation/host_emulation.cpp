@@ -7,7 +7,7 @@ namespace edge_mcl::gpu {
 
 namespace {
 
-/// Sum over the lanes in the order of the device's butterfly of exchanges.
+/// Adds up the lanes in the order of the device's butterfly exchange.
 template <class T>
 T sumOfLanes(std::array<T, kLanes> lane) {
   for (int step = kLanes / 2; step > 0; step /= 2) {
@@ -18,7 +18,7 @@ T sumOfLanes(std::array<T, kLanes> lane) {
   return lane[0];
 }
 
-/// A warp, all lanes of which do the same.
+/// A warp. All lanes do the same, one after the other.
 class Warp {
  public:
   Warp(const Workload& w, const Quad* quads, const Cell& cell, const Pose& pose)

@@ -1,4 +1,4 @@
-/// The CUDA kernel's work on the host, lane by lane: for tests where there is no device.
+/// Does the work of the CUDA kernel on the host, lane by lane, for tests without a device.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,10 @@
 
 namespace edge_mcl::gpu {
 
-/// @param quads the workload's table, see emulateTable.
-/// @return the same bits as the kernel with that many warps per particle, where the device's
-/// division, root and arc tangent round like the host's.
+/// Scores all particles of a workload. @param quads table of the workload, see emulateTable().
+/// @param warps number of warps per particle: 1 or kParts. @return one result for every particle,
+/// with the same bits as the kernel, if the device rounds division, root and arc tangent like the
+/// host.
 std::vector<Result> emulate(const Workload& workload, const std::vector<Quad>& quads, int warps);
 
 }  // namespace edge_mcl::gpu

@@ -39,7 +39,7 @@ void selectThresholds(const PictureWork& w) {
   setThresholds(w, n, squares[ranks.noise], squares[ranks.edges]);
 }
 
-/// A word of pixels after the other, along every line that meets it.
+/// Codes the pixels of a bin word by word, along all pixel lines.
 void codeBin(const PictureWork& w, int bin) {
   const int no_edge = w.direction[bin].no_edge, reach = reachOf(no_edge);
   const bool turned = w.direction[bin].transposed;

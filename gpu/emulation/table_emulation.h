@@ -1,4 +1,4 @@
-/// Score tables on the host, by the bodies of the device's kernels.
+/// Makes score tables on the host with the bodies of the device's kernels.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace edge_mcl::gpu {
 
-/// From a picture.
+/// Makes the table of a picture. @return elements (bin, y, x), row-major.
 std::vector<Quad> emulateTable(const TableRecipe& recipe, const PictureData& picture);
-/// From a table of the host. @param pairs ScoreTable::pairs.
+/// Converts a table of the host. @param pairs ScoreTable::pairs. @return as above.
 std::vector<Quad> emulateTable(const Table& table, const uint16_t* pairs);
 
 }  // namespace edge_mcl::gpu

@@ -1,4 +1,4 @@
-/// Owners of CUDA memory, streams and events. For .cu files only.
+/// Owns CUDA memory, streams and events. For .cu files only.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -11,20 +11,21 @@
 
 namespace edge_mcl::gpu {
 
+/// @throws DeviceError with the name of the call, if the call failed.
 inline void check(cudaError_t status, const char* call) {
   if (status == cudaSuccess) return;
-  // Else the next engine of this thread would take it for its own, at its first kernel.
+  // Clear the error. Otherwise the next engine of this thread would report it at its first kernel.
   (void)cudaGetLastError();
   throw DeviceError(std::string("CUDA: ") + call + ": " + cudaGetErrorString(status));
 }
 
-/// Waits for what DeviceArray has copied: cudaMemcpy returns when it has read the host's memory,
-/// and streams that do not block may run before all of it has arrived.
+/// Waits until the copies of DeviceArray have arrived on the device. cudaMemcpy returns as soon as
+/// it has read the host's memory, and non-blocking streams may run before all data have arrived.
 inline void finishCopies() {
   check(cudaStreamSynchronize(cudaStreamLegacy), "cudaStreamSynchronize");
 }
 
-/// Device array that only grows; contents survive growth.
+/// Device array whose memory only grows. Growth keeps the contents.
 template <class T>
 class DeviceArray {
  public:
@@ -52,7 +53,7 @@ class DeviceArray {
     reserve(count);
     size_ = count;
   }
-  /// Copies to the end; before a kernel reads it: finishCopies().
+  /// Copies elements from the host to the end. Call finishCopies() before a kernel reads them.
   void append(const T* from, size_t count) {
     const size_t at = size_;
     reserve(at + count);
@@ -70,7 +71,7 @@ class DeviceArray {
   size_t size_ = 0, capacity_ = 0;
 };
 
-/// Page-locked host array that only grows; contents are lost on growth.
+/// Page-locked host array whose memory only grows. Growth loses the contents.
 template <class T>
 class PinnedArray {
  public:
@@ -94,6 +95,7 @@ class PinnedArray {
   size_t capacity_ = 0;
 };
 
+/// A CUDA stream that does not block on the default stream.
 class Stream {
  public:
   Stream() {
@@ -108,6 +110,7 @@ class Stream {
   cudaStream_t stream_ = nullptr;
 };
 
+/// A CUDA event.
 class Event {
  public:
   Event() { check(cudaEventCreate(&event_), "cudaEventCreate"); }

@@ -15,8 +15,8 @@ namespace {
 constexpr int kBlockThreads = kParts * kLanes;
 constexpr unsigned kAll = 0xffffffffu;
 
-/// What the kernel reads besides the particles; passed by value, so that it lies in constant
-/// memory.
+/// Data that the kernel reads besides the particles. They are passed by value, so that they lie in
+/// constant memory.
 struct Scene {
   Camera camera;
   Table table;
@@ -28,7 +28,8 @@ struct Scene {
   const Cell* cells;
 };
 
-/// Two loads of 16 bytes, past the compiler's doubts.
+/// Loads 32 bytes with two loads of 16 bytes, because the compiler does not combine the loads
+/// itself.
 template <class T>
 __device__ T load32(const T* from) {
   static_assert(sizeof(T) == 32);
@@ -41,7 +42,7 @@ __device__ T load32(const T* from) {
   return value.whole;
 }
 
-/// Sums up to every lane over the lanes from `start` on.
+/// Returns, for every lane, the sum over the lanes from `start` to this lane.
 __device__ PartialLine sumOfLine(PartialLine own, int lane, int start) {
   for (int step = 1; step < kLanes; step *= 2) {
     const float score = __shfl_up_sync(kAll, own.score, step);
@@ -54,7 +55,7 @@ __device__ PartialLine sumOfLine(PartialLine own, int lane, int start) {
   return own;
 }
 
-/// Scores the samples of a chunk, a lane each, and closes the lines that end in it; the last one
+/// Scores the samples of a chunk, one per lane, and closes the lines that end in it. The last line
 /// stays open. The order of additions is fixed.
 __device__ void scoreChunk(const Scene& scene, const Pose& pose, uint32_t number, int lane,
                            OpenLine* open, LineSums* own) {
@@ -86,7 +87,7 @@ __device__ void scorePart(const Scene& scene, const Cell& cell, int part, const 
   OpenLine open{{0, 0}, kNoLine};
   const uint32_t end = cell.part_end[part];
   for (uint32_t base = part == 0 ? 0 : cell.part_end[part - 1]; base < end; base += kLanes) {
-    // Every lane looks whether one chunk is in view.
+    // Every lane checks whether one chunk is in view.
     const uint32_t mine = base + lane;
     const bool seen = mine < end && mayBeInView(scene.camera, pose,
                                                 load32(scene.chunks + cell.first_chunk + mine));
@@ -96,7 +97,7 @@ __device__ void scorePart(const Scene& scene, const Cell& cell, int part, const 
   if (lane == 0 && open.line != kNoLine) closeLine(scene.rule, open.sum, own);
 }
 
-/// The same on all lanes; the order of additions is fixed.
+/// Returns the sum over all lanes, on every lane. The order of additions is fixed.
 template <class T>
 __device__ T sumOfLanes(T value) {
   for (int step = kLanes / 2; step > 0; step /= 2) value += __shfl_xor_sync(kAll, value, step);
@@ -108,8 +109,9 @@ struct PartSums {
   float lines, weight;
 };
 
-/// A block of kParts warps has one particle, each warp a part of its lines; or, with one warp for a
-/// particle, kParts of them.
+/// Scores particles with blocks of kParts warps. With kWarps = kParts a block has one particle, and
+/// every warp has one part of its lines. With kWarps = 1 a block has kParts particles, one per
+/// warp.
 template <int kWarps>
 __global__ void __launch_bounds__(kBlockThreads)
     scoreKernel(const Scene scene, const Particle* __restrict__ particles, uint32_t count,
@@ -158,12 +160,12 @@ void launch(const Scene& scene, const Particle* particles, uint32_t count, Resul
   check(cudaGetLastError(), "scoreKernel");
 }
 
-/// A table on the device and what belongs to it.
+/// A table on the device with its camera and its buffers.
 struct Image {
   Camera camera{};
   Table table{};
   DeviceArray<Quad> quads;
-  DeviceArray<uint16_t> pairs;  ///< from the host
+  DeviceArray<uint16_t> pairs;  ///< table as the host made it
   PinnedArray<uint16_t> staging;
   Event ready;
   bool filled = false;
@@ -211,7 +213,7 @@ Engine::Engine() {
 }
 
 Engine::~Engine() {
-  if (impl_) cudaDeviceSynchronize();  // nothing may still use the memory
+  if (impl_) cudaDeviceSynchronize();  // no kernel may still use the memory
 }
 
 std::string Engine::deviceName() const {
@@ -284,7 +286,7 @@ void Engine::setPicture(int image, const Camera& camera, const Table& table,
 
 Particle* Engine::particles(size_t count) {
   Impl& m = *impl_;
-  wait();  // a caller may have given up in the middle
+  wait();  // a caller may have stopped after submit() because of an error
   m.particles_staging.reserve(count);
   m.results_staging.reserve(count);
   m.particles.resize(count);
@@ -301,7 +303,7 @@ void Engine::submit(int image, const Rule& rule, const Combination& combination,
   if (count == 0) return;
   if (!i.filled) throw DeviceError("CUDA: no such table");
   if (first + count > m.count) throw DeviceError("CUDA: no such particles");
-  // Two streams take turns: the copies of one overlap with the kernel of the other.
+  // Two streams take turns, so that the copies of one overlap with the kernel of the other.
   const cudaStream_t stream = m.submissions++ % 2 == 0 ? m.work : m.second;
   check(cudaMemcpyAsync(m.particles.data() + first, m.particles_staging.data() + first,
                         count * sizeof(Particle), cudaMemcpyHostToDevice, stream),
@@ -346,7 +348,8 @@ DeviceLimits Engine::limits() const {
   check(cudaDeviceGetAttribute(&clock_khz, cudaDevAttrClockRate, device), "cudaDeviceGetAttribute");
   check(cudaDeviceGetAttribute(&memory_khz, cudaDevAttrMemoryClockRate, device),
         "cudaDeviceGetAttribute");
-  // CUDA C++ Programming Guide, "Arithmetic Instructions": 128 a clock, 64 on 7.5 and 8.0.
+  // CUDA C++ Programming Guide, "Arithmetic Instructions": 128 operations per clock cycle and
+  // multiprocessor, 64 on compute capability 7.5 and 8.0.
   const bool narrow = p.major == 7 || (p.major == 8 && p.minor == 0);
   return {1e3 * clock_khz * p.multiProcessorCount * (narrow ? 64 : 128),
           2e3 * memory_khz * p.memoryBusWidth / 8};

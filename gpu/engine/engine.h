@@ -1,4 +1,4 @@
-/// The measurement model on an NVIDIA GPU. This header needs no CUDA.
+/// Computes the measurement model on an NVIDIA GPU. This header needs no CUDA.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,21 @@
 
 namespace edge_mcl::gpu {
 
-/// What the device could do at best.
+/// Theoretical limits of the device.
 struct DeviceLimits {
   double operations_per_second = 0;    ///< single precision, a fused multiply-add counts as one
   double memory_bytes_per_second = 0;  ///< device memory
 };
 
-/// Holds everything on one device. Buffers only grow: after the first frames nothing is allocated.
+/// A scoring engine that holds all data on one device. Its buffers only grow, so that after the
+/// first images no memory is allocated. Documentation of the methods: ScoringEngine.
 class Engine : public ScoringEngine {
  public:
-  /// Why no device can be used; empty when one answers.
+  /// Returns the reason why no device can be used; empty when a device answers.
   static std::string whyUnavailable();
 
-  /// @throws DeviceError
+  /// Uses the current device of CUDA. @throws DeviceError when there is none, or its compute
+  /// capability is below 7.5.
   Engine();
   ~Engine() override;
   Engine(const Engine&) = delete;
@@ -40,16 +42,16 @@ class Engine : public ScoringEngine {
               size_t count) override;
   const Result* wait() override;
 
-  /// Reads a table back from the device.
+  /// Reads a table back from the device; empty when there is none.
   std::vector<Quad> table(int image);
   DeviceLimits limits() const;
-  /// Device memory held by this engine, bytes.
+  /// Device memory that this engine holds, bytes.
   size_t deviceBytes() const;
-  /// Memory of the whole device that nobody holds, bytes.
+  /// Free memory of the whole device, bytes.
   static size_t freeBytes();
-  /// Milliseconds on the device, of the last submit(): kernel alone.
+  /// Time of the kernel of the last submit() on the device, ms.
   float kernelMilliseconds() const;
-  /// Of the last setPicture(), upload included.
+  /// Time of the last setPicture() on the device, with the upload, ms.
   float pictureMilliseconds() const;
 
  private:

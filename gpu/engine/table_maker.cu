@@ -28,8 +28,9 @@ dim3 blocksFor(int columns, int rows, int layers = 1) {
   return dim3((columns + kBlockX - 1) / kBlockX, (rows + kBlockY - 1) / kBlockY, layers);
 }
 
-/// Two things that do not depend on each other at once: the first blocks have the cells' levels,
-/// the others the pixels' slips. @param cells blocks in x and y of the cells of one bin.
+/// Does two independent steps at once: the first blocks run levelOfCell(), the others slipPixel().
+/// @param cells_x, cells_y numbers of blocks for the image cells of one bin. @param pixels_x number
+/// of blocks in a row of pixels.
 __global__ void __launch_bounds__(kBlockX* kBlockY)
     levelAndSlipKernel(const PictureWork w, int cells_x, int cells_y, int pixels_x) {
   int block = blockIdx.x;
@@ -56,20 +57,22 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
   if (x < table.width && y < table.height) quadOfPairs(table, pairs, blockIdx.z, x, y, quads);
 }
 
-// Connected candidates: first within tiles, in shared memory, then across their borders. A tree's
-// root is the smallest number in it, however it was put together.
+// Candidates are connected first within tiles, in shared memory, and then across the borders of the
+// tiles. The root of a tree is always the smallest pixel number in it, so the order of the steps
+// does not matter.
 
 constexpr int kTileX = 32, kTileY = 16;
 
-/// The smallest number among the candidates that a candidate is connected to within its tile.
-/// Labels spread from neighbour to neighbour and along labels, until none changes.
+/// Connects candidates within tiles. The label of a candidate is the smallest number among the
+/// candidates that it is connected to in its tile. Labels spread to neighbours and along labels
+/// until no label changes.
 __global__ void __launch_bounds__(kTileX* kTileY) connectTileKernel(const PictureWork w) {
   __shared__ int32_t labels[2][kTileX * kTileY];
   const int x0 = blockIdx.x * kTileX, y0 = blockIdx.y * kTileY;
   const int tile_x = threadIdx.x, tile_y = threadIdx.y, own = tile_y * kTileX + tile_x;
   const int x = x0 + tile_x, y = y0 + tile_y;
   const bool inside = x < w.width && y < w.height;
-  // A row of the tile is a warp: runs along it have their label at once.
+  // A row of the tile is a warp, so all candidates of a run in it get their first label at once.
   const bool candidate = inside && isCandidate(w, x, y);
   const unsigned row = __ballot_sync(0xffffffffu, candidate);
   const unsigned gaps = ~row & ((1u << tile_x) - 1);
@@ -108,11 +111,11 @@ __global__ void __launch_bounds__(kBlockX* kBlockY) connectBordersKernel(const P
   connectPixel(w.parent, y * w.width + x, w.width, x, y, 0, w.width - 1, 0);
 }
 
-/// Words of a line that a block works on, one behind the other.
+/// Number of successive words of a pixel line that a block works on.
 constexpr int kUprightWords = 4;
 
-/// Bins whose normals are walked row by row: neighbouring lanes have neighbouring lines, and every
-/// warp of the block one word of each.
+/// Codes a bin whose normals are walked row by row. Neighbouring lanes have neighbouring pixel
+/// lines. Every warp of the block has one word of each line.
 template <int kReach>
 __device__ void codeUpright(const PictureWork& w, int bin, int column, int first, int lane,
                             int warp, uint32_t (*words)[kBlockX]) {
@@ -137,11 +140,11 @@ __device__ void codeUpright(const PictureWork& w, int bin, int column, int first
 }
 static_assert(kUprightWords == kBlockY, "a warp for every word");
 
-/// Words that a warp works on one behind the other.
+/// Number of successive words of a pixel line that a warp works on.
 constexpr int kTurnedWords = 4;
 
-/// The other bins: the lanes of a warp have the pixels of one line, which lie side by side in the
-/// image.
+/// Codes a bin whose normals are walked column by column. The lanes of a warp have the pixels of
+/// one pixel line, which lie side by side in the image.
 template <int kReach>
 __device__ void codeTurned(const PictureWork& w, int bin, int column, int first, int lane,
                            uint32_t* words) {
@@ -274,7 +277,7 @@ void TableMaker::make(const TableRecipe& recipe, const PictureData& picture,
   const dim3 per_cell = blocksFor(w.cell_columns, w.cell_rows);
   levelAndSlipKernel<<<per_cell.x * per_cell.y * w.bins + per_pixel.x * per_pixel.y, block, 0,
                        stream>>>(w, per_cell.x, per_cell.y, per_pixel.x);
-  // Blocks for whatever takes more of them, walked by rows or by columns.
+  // The grid has enough blocks for both kinds of bins, walked by rows or by columns.
   const int margin = kTurnedWords * kWord;
   static_assert(kTurnedWords == kUprightWords);
   const dim3 code_grid(std::max((w.width + 2 * margin + kBlockX - 1) / kBlockX,

@@ -1,4 +1,4 @@
-/// Thresholds of the edges from a picture's gradients, on the device.
+/// Computes the thresholds of the image edges from the gradients, on the device.
 #pragma once
 
 #include "edge_mcl/gpu/math/picture_math.h"
@@ -7,13 +7,13 @@ namespace edge_mcl::gpu {
 
 namespace {
 
-// The order statistics of the squared magnitudes: by histograms of ever finer digits. The first
-// digit is logarithmic, because most magnitudes are small.
+// The order statistics of the squared magnitudes are found digit by digit with histograms. The
+// first digit is logarithmic, because most magnitudes are small.
 
 constexpr int kWarpLanes = 32, kSelectThreads = 1024, kHistogram = 2048, kDigitBits = 11;
 
-/// Number of bits below the first digit of a value with so many bits; the digit holds six bits
-/// after the leading one.
+/// Returns the number of bits of a value that lie below its first digit. The digit holds the
+/// leading bit and the six bits after it.
 __device__ int lowBits(uint32_t value) {
   const int bits = 32 - __clz(value);
   return bits > 7 ? bits - 7 : 0;
@@ -24,20 +24,20 @@ __device__ uint32_t firstDigit(uint32_t value) {
   return (static_cast<uint32_t>(low) << 6) + (value >> low);
 }
 
-/// What is known of an order statistic: its leading bits, down to bit `low`.
+/// An order statistic that is partly known: its leading bits, down to bit `low`.
 struct Selection {
   uint32_t prefix, rank;  // rank among the values with this prefix
   int low;
 };
 
-constexpr int kShare = kHistogram / kWarpLanes;  ///< digits that a lane adds up
+constexpr int kShare = kHistogram / kWarpLanes;  ///< number of digits that a lane adds up
 
-/// Where a digit is counted: one element is left out after every kShare, so that lanes that read
-/// their shares read from different banks.
+/// Returns the place of a digit in the histogram. One element is left out after every kShare
+/// digits, so that the lanes read their shares from different memory banks.
 __device__ uint32_t placeOf(uint32_t digit) { return digit + digit / kShare; }
 constexpr int kPlaces = kHistogram + kWarpLanes;
 
-/// Sums over the lanes up to each one.
+/// Returns, for every lane, the sum over the lanes up to this lane.
 __device__ uint32_t sumUpTo(uint32_t value, int lane) {
   for (int step = 1; step < kWarpLanes; step *= 2) {
     const uint32_t before = __shfl_up_sync(0xffffffffu, value, step);
@@ -46,7 +46,8 @@ __device__ uint32_t sumUpTo(uint32_t value, int lane) {
   return value;
 }
 
-/// For the lanes of one warp: the digit that holds the rank, which becomes that within the digit.
+/// Finds the digit that holds the rank. All lanes of one warp must call it. `rank` becomes the rank
+/// within this digit.
 __device__ uint32_t findDigit(const uint32_t* histogram, uint32_t* rank) {
   const int lane = threadIdx.x % kWarpLanes;
   uint32_t own = 0;
@@ -55,7 +56,7 @@ __device__ uint32_t findDigit(const uint32_t* histogram, uint32_t* rank) {
   const uint32_t up_to = sumUpTo(own, lane);
   const int holder = __ffs(__ballot_sync(0xffffffffu, up_to > *rank)) - 1;
   const uint32_t rest = *rank - __shfl_sync(0xffffffffu, up_to - own, holder);
-  // The holder's share, two digits for each lane.
+  // Every lane has two digits of the holder's share.
   static_assert(kShare == 2 * kWarpLanes);
   const uint32_t* two = histogram + holder * (kShare + 1) + 2 * lane;
   const uint32_t low = two[0], both = low + two[1], before = sumUpTo(both, lane) - both;
@@ -66,11 +67,11 @@ __device__ uint32_t findDigit(const uint32_t* histogram, uint32_t* rank) {
   return __shfl_sync(0xffffffffu, digit, finder);
 }
 
-/// Values that a thread keeps in registers: enough for 640 x 480 pixels.
+/// Number of values that a thread keeps in registers; enough for 640 x 480 pixels.
 constexpr int kKept = 34;
 
-/// Counts a digit; in flat images all lanes have the same one. (Joining equal lanes with
-/// __match_any_sync takes longer than what it saves.)
+/// Counts a digit of every valid lane. In flat images all lanes have the same digit, which is then
+/// added in one step. (Joining equal lanes with __match_any_sync takes longer than it saves.)
 __device__ void countDigit(uint32_t* histogram, uint32_t digit, bool valid) {
   const unsigned lanes = __ballot_sync(0xffffffffu, valid);
   if (lanes == 0) return;
@@ -84,7 +85,7 @@ __device__ void countDigit(uint32_t* histogram, uint32_t digit, bool valid) {
   }
 }
 
-/// Calls `use` for every sample, the same number of times on all threads.
+/// Calls `use` for every sampled magnitude. All threads call it the same number of times.
 template <class F>
 __device__ void forSamples(const uint32_t (&kept)[kKept], const uint32_t* sampled, uint32_t samples,
                            F&& use) {
@@ -132,7 +133,7 @@ __global__ void __launch_bounds__(kSelectThreads)
   if (warp < 2) {
     uint32_t rank = warp == 0 ? ranks.noise : ranks.edges;
     const uint32_t digit = findDigit(histogram[0], &rank);
-    // Digits below 128 are values; beyond, 64 digits for each number of low bits.
+    // Digits below 128 are the values themselves. Above, every number of low bits has 64 digits.
     const int low = digit < 128 ? 0 : static_cast<int>(digit / 64) - 1;
     if (lane == 0) selection[warp] = {digit < 128 ? digit : digit - 64u * low, rank, low};
   }

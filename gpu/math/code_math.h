@@ -1,20 +1,21 @@
-/// From edges by direction to the score table: distances along normals, codes, elements of the
-/// table. Bodies of the kernels, for host and device, see picture_math.h.
+/// Makes the score table from the edges of every direction bin: distances along normals, codes,
+/// elements of the table. The functions are the bodies of the kernels, for host and device, see
+/// picture_math.h.
 #pragma once
 
 #include "edge_mcl/gpu/math/picture_math.h"
 
 namespace edge_mcl::gpu {
 
-/// One of the lines of pixels that normals of a bin are walked along. Its pixels are numbered by
-/// "row", which is the image's column where the bin is transposed.
+/// A pixel line: pixels along which the normals of a bin are walked. `row` numbers its pixels. In a
+/// transposed bin `row` is the column of the image, and `column` is the row of the image.
 struct DigitalLine {
   int32_t bin, turned, rows, columns;
-  int32_t start;         ///< the column, at row 0; may be outside
-  const int32_t* shift;  ///< from there, by row
+  int32_t start;         ///< column at row 0; may lie outside of the image
+  const int32_t* shift;  ///< column minus `start`, by row
 };
 
-/// @param column where the line is in `row`.
+/// Returns the pixel line of a bin that has the given column in the given row.
 EDGE_MCL_DEVICE_FUNCTION DigitalLine lineThrough(const PictureWork& w, int bin, int row,
                                                  int column) {
   const bool turned = w.direction[bin].transposed;
@@ -24,12 +25,13 @@ EDGE_MCL_DEVICE_FUNCTION DigitalLine lineThrough(const PictureWork& w, int bin, 
       shift};
 }
 
-/// A pixel of a line.
+/// A pixel of a pixel line.
 struct LinePixel {
   int32_t x, y;
-  bool inside;  ///< the image
+  bool inside;  ///< whether it lies in the image
 };
 
+/// Returns the pixel of a pixel line in a row.
 EDGE_MCL_DEVICE_FUNCTION LinePixel pixelOf(const DigitalLine& line, int row) {
   if (row < 0 || row >= line.rows) return {0, 0, false};
   const int column = line.start + line.shift[row];
@@ -37,16 +39,17 @@ EDGE_MCL_DEVICE_FUNCTION LinePixel pixelOf(const DigitalLine& line, int row) {
   return line.turned ? LinePixel{row, column, inside} : LinePixel{column, row, inside};
 }
 
+/// Whether the pixel of a pixel line in a row is a hit of its bin, see PictureWork::hit.
 EDGE_MCL_DEVICE_FUNCTION bool isHit(const PictureWork& w, const DigitalLine& line, int row) {
   const LinePixel p = pixelOf(line, row);
   return p.inside && (w.hit[p.y * w.width + p.x] >> line.bin & 1u);
 }
 
-/// Words before and behind that hold all edges in reach.
+/// Returns how many words before and behind a word hold all edges in reach.
 EDGE_MCL_DEVICE_FUNCTION int reachOf(int no_edge) { return (no_edge + kWord - 2) / kWord; }
 
-/// Steps to the nearest hit. @param word the hits around pixel `i`, with `reach` words before and
-/// behind.
+/// Returns the number of steps to the nearest hit, or `no_edge` when no hit is nearer.
+/// @param word hits of the word with pixel `i`, with `reach` words before and behind.
 EDGE_MCL_DEVICE_FUNCTION int nearestStep(const uint32_t* word, int reach, int i, int no_edge) {
   int steps = no_edge, steps_ahead = no_edge;
   const uint32_t back = word[0] & (0xffffffffu >> (kWord - 1 - i));
@@ -73,7 +76,7 @@ EDGE_MCL_DEVICE_FUNCTION int nearestStep(const uint32_t* word, int reach, int i,
   return steps < no_edge ? steps : no_edge;
 }
 
-/// Code of a pixel so many steps from an edge.
+/// Sets the code of a pixel that is `steps` steps away from an edge; 0 when the pixel is ignored.
 EDGE_MCL_DEVICE_FUNCTION void codePixel(const PictureWork& w, int bin, const LinePixel& p,
                                         int steps) {
   const int cell = (p.y >> 3) * w.cell_columns + (p.x >> 3);
@@ -85,7 +88,7 @@ EDGE_MCL_DEVICE_FUNCTION void codePixel(const PictureWork& w, int bin, const Lin
       w.ignore && w.ignore[at] ? uint8_t{0} : code;
 }
 
-/// The table's elements of one pixel, in all bins.
+/// Sets the elements of the table for one pixel, in all bins.
 EDGE_MCL_DEVICE_FUNCTION void quadUp(const PictureWork& w, int x, int y) {
   const int64_t plane = static_cast<int64_t>(w.width) * w.height;
   const int32_t at = y * w.width + x;
@@ -104,7 +107,7 @@ EDGE_MCL_DEVICE_FUNCTION void quadUp(const PictureWork& w, int x, int y) {
   }
 }
 
-/// The same, of a table from the host.
+/// Sets one element of the table from ScoreTable::pairs of the host.
 EDGE_MCL_DEVICE_FUNCTION void quadOfPairs(const Table& table, const uint16_t* pairs, int bin, int x,
                                           int y, Quad* quads) {
   const int64_t stride = table.width + 1;

@@ -1,56 +1,56 @@
-/// From a grey image to its edges by direction: the bodies of the kernels, for host and device,
-/// each for one element of what it makes; code_math.h goes on from there. All is whole numbers or
-/// rounded as on the host, so that both make the same bits as edge_mcl::findEdges, EdgeField and
-/// ScoreTable do.
+/// Finds the edges of a grey image for every direction bin. The functions are the bodies of the
+/// kernels, for host and device. Each makes one element of its output. code_math.h has the next
+/// steps. All values are whole numbers or are rounded as on the host, so that host and device make
+/// the same bits as edge_mcl::findEdges, EdgeField and ScoreTable.
 #pragma once
 
 #include "edge_mcl/gpu/math/sample_math.h"
 
 namespace edge_mcl::gpu {
 
-constexpr int kMostBins = 32;        ///< of directions: a bit each
+constexpr int kMostBins = 32;        ///< largest number of direction bins; each has a bit
 constexpr int kMostBlurRadius = 31;  ///< pixels
-constexpr int kClutterCell = 8;      ///< see edge_mcl::EdgeField
-constexpr int kWord = 32;            ///< pixels along a normal as bits of a word
+constexpr int kClutterCell = 8;      ///< width of an image cell, pixels, see edge_mcl::EdgeField
+constexpr int kWord = 32;            ///< pixels along a normal that are the bits of a word
 
-/// Directions of one bin, see edge_mcl::SearchGeometry.
+/// One direction bin, see edge_mcl::SearchGeometry.
 struct DirectionBin {
   float du, dv;        ///< unit direction of the model edge in the image
-  int32_t transposed;  ///< its normal is walked column by column
-  int32_t no_edge;     ///< steps that stand for none
+  int32_t transposed;  ///< the normal is walked column by column
+  int32_t no_edge;     ///< number of steps that means "no edge in reach"
 };
 
-/// Sizes and buffers; by value to every kernel.
+/// Sizes and buffers. Every kernel gets them by value. "Cell" means an image cell here.
 struct PictureWork {
   int32_t width, height, bins, levels, entries, window_cells;
-  int32_t cell_columns, cell_rows, longest;  ///< longest: of width and height
+  int32_t cell_columns, cell_rows, longest;  ///< longest: the larger of width and height
   int32_t blur_radius, gradient_scale;
-  int32_t blur[kMostBlurRadius + 1];  ///< of 64
-  float sine;                         ///< of the orientation tolerance
+  int32_t blur[kMostBlurRadius + 1];  ///< weights in 1/64, see edge_mcl::blurWeights
+  float sine;                         ///< sine of the orientation tolerance
   double edge_share, noise_factor, hysteresis, least_threshold;
 
-  // Of the recipe.
-  const DirectionBin* direction;  ///< bins
+  // Arrays of the recipe.
+  const DirectionBin* direction;  ///< (bin)
   const int32_t* shift;           ///< (bin, row): columns walked from row 0 to this row
   const uint8_t* level_codes;     ///< (bin, level, steps)
-  const float* level_borders;     ///< levels - 1
+  const float* level_borders;     ///< (level), levels - 1 elements
 
-  // Of the picture; all row-major.
+  // Arrays of the picture, all row-major.
   const uint8_t* grey;
-  const uint8_t* ignore;  ///< null without
-  int16_t* smooth;
+  const uint8_t* ignore;  ///< null without a mask
+  int16_t* smooth;        ///< smoothed grey times gradient_scale
   int16_t *gradient_x, *gradient_y;
-  uint32_t* sampled;   ///< squared magnitudes for the threshold, kIgnoredSample where ignored
-  int32_t* threshold;  ///< weak and strong, squared
-  int32_t* parent;     ///< of candidates for edges: another one they are connected to; else -1
-  uint8_t* strong;     ///< a candidate at the root of a tree: something in it is a strong edge
+  uint32_t* sampled;   ///< squared magnitudes for the thresholds, kIgnoredSample where ignored
+  int32_t* threshold;  ///< weak and strong threshold, squared
+  int32_t* parent;     ///< for an edge candidate: a candidate that it is connected to; otherwise -1
+  uint8_t* strong;     ///< for the root of a tree of candidates: 1 when the tree has a strong edge
   uint32_t* match;     ///< bit b: edge pixel of direction bin b
-  uint32_t* hit;       ///< the same, and where a normal's diagonal step slips between two
-  int32_t* count;      ///< (bin, cell): edge pixels
-  int32_t* usable;     ///< pixels of a cell that are not ignored; only with `ignore`
-  uint8_t* level;      ///< (bin, cell): of the density of edges
+  uint32_t* hit;       ///< as match, with the additional pixels of slipPixel()
+  int32_t* count;      ///< (bin, cell): number of edge pixels
+  int32_t* usable;     ///< (cell): number of pixels that are not ignored; only with `ignore`
+  uint8_t* level;      ///< (bin, cell): level of the density of edges
   uint8_t* codes;      ///< (bin, y, x)
-  Quad* quads;
+  Quad* quads;         ///< (bin, y, x): the table
 };
 
 constexpr uint32_t kIgnoredSample = 0xffffffffu;
@@ -59,10 +59,12 @@ EDGE_MCL_DEVICE_FUNCTION int clampTo(int value, int size) {
   return value < 0 ? 0 : (value >= size ? size - 1 : value);
 }
 
+/// The thresholds use the gradient magnitude of every third pixel in either direction.
 EDGE_MCL_DEVICE_FUNCTION int sampledColumns(const PictureWork& w) { return (w.width + 1) / 3; }
 EDGE_MCL_DEVICE_FUNCTION int sampledRows(const PictureWork& w) { return (w.height + 1) / 3; }
 
-/// Smoothed grey times gradient_scale, rounded half to even. Empties the counts, too.
+/// Computes the smoothed grey value times gradient_scale, rounded half to even. It also clears the
+/// counts of the image cells.
 EDGE_MCL_DEVICE_FUNCTION void smoothPixel(const PictureWork& w, int x, int y) {
   const int32_t at = y * w.width + x, pixels = w.width * w.height;
   const int32_t cells = w.cell_columns * w.cell_rows;
@@ -98,7 +100,7 @@ EDGE_MCL_DEVICE_FUNCTION void smoothPixel(const PictureWork& w, int x, int y) {
   w.smooth[at] = static_cast<int16_t>(whole + up);
 }
 
-/// Scharr's operator, and the sub-sample of magnitudes.
+/// Computes the gradient with Scharr's operator, and its squared magnitude for every third pixel.
 EDGE_MCL_DEVICE_FUNCTION void gradientOfPixel(const PictureWork& w, int x, int y) {
   const int left = clampTo(x - 1, w.width), right = clampTo(x + 1, w.width);
   const int16_t* above = w.smooth + static_cast<int64_t>(clampTo(y - 1, w.height)) * w.width;
@@ -116,16 +118,18 @@ EDGE_MCL_DEVICE_FUNCTION void gradientOfPixel(const PictureWork& w, int x, int y
         w.ignore && w.ignore[at] ? kIgnoredSample : static_cast<uint32_t>(gx * gx + gy * gy);
 }
 
-/// Numbers of the two order statistics of `count` squared magnitudes that the thresholds follow.
+/// Ranks of the two order statistics on which the thresholds depend.
 struct QuantileRanks {
   uint32_t noise, edges;
 };
+/// @param count number of squared magnitudes that are not ignored.
 EDGE_MCL_DEVICE_FUNCTION QuantileRanks quantileRanks(const PictureWork& w, uint32_t count) {
   const double last = static_cast<double>(count) - 1;
   return {static_cast<uint32_t>(0.25 * last), static_cast<uint32_t>((1 - w.edge_share) * last)};
 }
 
-/// @param noise, edges the squared magnitudes of those ranks. @param count 0: all is ignored.
+/// Sets the thresholds, see edge_mcl::findEdges. @param noise, edges squared magnitudes of the
+/// ranks of QuantileRanks. @param count number of squared magnitudes; 0: all pixels are ignored.
 EDGE_MCL_DEVICE_FUNCTION void setThresholds(const PictureWork& w, uint32_t count, uint32_t noise,
                                             uint32_t edges) {
   double strong = w.least_threshold;
@@ -134,20 +138,21 @@ EDGE_MCL_DEVICE_FUNCTION void setThresholds(const PictureWork& w, uint32_t count
     const double of_edges = sqrt(static_cast<double>(edges));
     strong = fmax(fmax(strong, of_edges), of_noise);
   }
-  // As cv::Canny squares them.
+  // Thresholds are limited and squared as in cv::Canny.
   const double high = fmin(32767.0, strong), low = fmin(32767.0, w.hysteresis * strong);
   w.threshold[0] = static_cast<int32_t>(floor(low * low));
   w.threshold[1] = static_cast<int32_t>(floor(high * high));
 }
 
+/// Squared magnitude of the gradient; 0 outside of the image.
 EDGE_MCL_DEVICE_FUNCTION int32_t squareAt(const PictureWork& w, int x, int y) {
   if (x < 0 || y < 0 || x >= w.width || y >= w.height) return 0;
   const int64_t at = static_cast<int64_t>(y) * w.width + x;
   return w.gradient_x[at] * w.gradient_x[at] + w.gradient_y[at] * w.gradient_y[at];
 }
 
-/// Thinning of edges as cv::Canny does it: largest along the gradient, which is rounded to one of
-/// four directions (22.5 degrees in fixed point).
+/// Whether the magnitude is the largest along the gradient. Thins edges as cv::Canny does: the
+/// direction of the gradient is rounded to one of four (tan 22.5 degrees in fixed point).
 EDGE_MCL_DEVICE_FUNCTION bool isRidge(const PictureWork& w, int x, int y, int32_t square) {
   const int64_t at = static_cast<int64_t>(y) * w.width + x;
   const int32_t gx = w.gradient_x[at], gy = w.gradient_y[at];
@@ -155,18 +160,21 @@ EDGE_MCL_DEVICE_FUNCTION bool isRidge(const PictureWork& w, int x, int y, int32_
   const auto ay = static_cast<uint32_t>(gy < 0 ? -gy : gy) << 15;
   const uint32_t flat = ax * 13573u;
   if (ay < flat) return square > squareAt(w, x - 1, y) && square >= squareAt(w, x + 1, y);
-  // It is signed there, and wraps around.
+  // cv::Canny compares signed numbers here, which wrap around.
   if (static_cast<int32_t>(ay) > static_cast<int32_t>(flat + (ax << 16)))
     return square > squareAt(w, x, y - 1) && square >= squareAt(w, x, y + 1);
   const int side = (gx ^ gy) < 0 ? -1 : 1;
   return square > squareAt(w, x - side, y - 1) && square > squareAt(w, x + side, y + 1);
 }
 
+/// Whether a pixel is an edge candidate: above the weak threshold and on a ridge.
 EDGE_MCL_DEVICE_FUNCTION bool isCandidate(const PictureWork& w, int x, int y) {
   const int32_t square = squareAt(w, x, y);
   return square > w.threshold[0] && isRidge(w, x, y, square);
 }
 
+/// Lowers *at to the value if the value is smaller, atomically on the device. @return the old
+/// value.
 EDGE_MCL_DEVICE_FUNCTION int32_t lowerTo(int32_t* at, int32_t value) {
 #if defined(__CUDA_ARCH__)
   return atomicMin(at, value);
@@ -177,6 +185,7 @@ EDGE_MCL_DEVICE_FUNCTION int32_t lowerTo(int32_t* at, int32_t value) {
 #endif
 }
 
+/// Adds to *at, atomically on the device.
 EDGE_MCL_DEVICE_FUNCTION void addTo(int32_t* at, int32_t value) {
 #if defined(__CUDA_ARCH__)
   atomicAdd(at, value);
@@ -201,8 +210,9 @@ EDGE_MCL_DEVICE_FUNCTION int trailingZeros(uint32_t value) {  // value is not 0
 #endif
 }
 
-/// Shortens the way for those who come after: every pixel passed is hung up one higher. Threads
-/// that do so at the same time cannot break a tree, as a pixel's ancestors stay its ancestors.
+/// Returns the root of a tree. It shortens the path for later calls: every pixel on the path gets
+/// its grandparent as parent. Several threads may do this at the same time, because the new parent
+/// is always an ancestor.
 EDGE_MCL_DEVICE_FUNCTION int32_t rootOf(int32_t* parent, int32_t i) {
   int32_t next = parent[i];
   while (next != i) {
@@ -214,7 +224,7 @@ EDGE_MCL_DEVICE_FUNCTION int32_t rootOf(int32_t* parent, int32_t i) {
   return i;
 }
 
-/// Joins two trees; the smaller number becomes the root, whatever the order of the calls.
+/// Joins two trees. The smaller number becomes the root, in any order of the calls.
 EDGE_MCL_DEVICE_FUNCTION void unite(int32_t* parent, int32_t a, int32_t b) {
   while (true) {
     a = rootOf(parent, a);
@@ -231,8 +241,9 @@ EDGE_MCL_DEVICE_FUNCTION void unite(int32_t* parent, int32_t a, int32_t b) {
   }
 }
 
-/// Connects a candidate to those of its neighbours before it that lie in rows from y0 and columns
-/// from x0 to x1. @param at the pixel's number in `parent`, where rows have `stride` elements.
+/// Connects a candidate to the neighbouring candidates that come before it (left and above) and lie
+/// in the rows from y0 on and the columns x0 to x1. @param at number of the pixel in `parent`,
+/// whose rows have `stride` elements.
 EDGE_MCL_DEVICE_FUNCTION void connectPixel(int32_t* parent, int32_t at, int32_t stride, int x,
                                            int y, int x0, int x1, int y0) {
   if (parent[at] < 0) return;
@@ -242,13 +253,13 @@ EDGE_MCL_DEVICE_FUNCTION void connectPixel(int32_t* parent, int32_t at, int32_t 
     if (parent[at - stride + dx] >= 0) unite(parent, at, at - stride + dx);
 }
 
-/// A strong pixel makes edges of all that it is connected to.
+/// Marks the tree of a candidate above the strong threshold. All candidates of this tree are edges.
 EDGE_MCL_DEVICE_FUNCTION void markStrong(const PictureWork& w, int x, int y) {
   const int32_t at = y * w.width + x;
   if (w.parent[at] >= 0 && squareAt(w, x, y) > w.threshold[1]) w.strong[rootOf(w.parent, at)] = 1;
 }
 
-/// The direction bins that an edge pixel matches, counted by cells.
+/// Finds the direction bins that an edge pixel matches, and counts the pixel in its image cell.
 EDGE_MCL_DEVICE_FUNCTION void matchPixel(const PictureWork& w, int x, int y) {
   const int32_t at = y * w.width + x;
   const int32_t cells = w.cell_columns * w.cell_rows;
@@ -270,13 +281,13 @@ EDGE_MCL_DEVICE_FUNCTION void matchPixel(const PictureWork& w, int x, int y) {
   w.match[at] = bits;
 }
 
-/// Adds, for every bin, the pixels where a diagonal step of the walk slips between two diagonally
-/// connected edge pixels.
+/// Adds hits, for every bin, where a diagonal step along a normal would pass between two diagonally
+/// connected edge pixels without touching them.
 EDGE_MCL_DEVICE_FUNCTION void slipPixel(const PictureWork& w, int x, int y) {
   const int32_t at = y * w.width + x;
   const uint32_t here = w.match[at];
   uint32_t bits = here;
-  // Both pixels that it slips between lie beside this one: left or right, and above or below.
+  // Both edge pixels lie beside this pixel: one left or right of it, one above or below it.
   const uint32_t left = x > 0 ? w.match[at - 1] : 0, right = x + 1 < w.width ? w.match[at + 1] : 0;
   const uint32_t above = y > 0 ? w.match[at - w.width] : 0;
   const uint32_t below = y + 1 < w.height ? w.match[at + w.width] : 0;
@@ -297,7 +308,8 @@ EDGE_MCL_DEVICE_FUNCTION void slipPixel(const PictureWork& w, int x, int y) {
   w.hit[at] = bits;
 }
 
-/// Level of the density of edges around a cell, see edge_mcl::EdgeField::clutter.
+/// Computes the level of the density of edges around an image cell, see
+/// edge_mcl::EdgeField::clutter.
 EDGE_MCL_DEVICE_FUNCTION void levelOfCell(const PictureWork& w, int bin, int column, int row) {
   const int half = w.window_cells / 2, cells = w.cell_columns * w.cell_rows;
   const int32_t* count = w.count + bin * cells;

@@ -1,8 +1,7 @@
-/// Score of one model sample for one camera pose: the maths of the likelihood, written once for
-/// host and device in single precision. Every product-sum is an explicit fmaf, so that both compute
-/// the same bits.
+/// Computes the score of one model sample for one camera pose in single precision, on host and
+/// device. Every sum of a product is an explicit fmaf, so that both compute the same bits.
 ///
-/// Needs nothing but a C++17 compiler; under nvcc the functions are also device functions.
+/// The header needs only a C++17 compiler. With nvcc the functions are also device functions.
 #pragma once
 
 #include <cmath>
@@ -23,11 +22,11 @@ enum Distortion : int32_t { kNone, kPlumbBob, kRationalPolynomial, kEquidistant 
 struct Camera {
   float fx, fy, cx, cy;
   float last_x, last_y;      ///< width - 1, height - 1
-  float max_radius2;         ///< of (X/Z, Y/Z); beyond, the distortion is not monotone
+  float max_radius2;         ///< largest squared length of (X/Z, Y/Z) with monotone distortion
   float min_depth;           ///< metres
-  float view_sin, view_cos;  ///< of half the opening of the cone around the axis with the image
-  int32_t distortion;
-  float k[8];
+  float view_sin, view_cos;  ///< of the half angle of the cone around the axis that has the image
+  int32_t distortion;        ///< Distortion
+  float k[8];                ///< coefficients of the distortion
 };
 
 /// Geometry of the score table, see edge_mcl::ScoreTable.
@@ -37,22 +36,23 @@ struct Table {
   float scale, offset;
 };
 
-/// Element of the table on the device: what ScoreTable::pairs has for a pixel (low half) and its
-/// right neighbour, in its row and the row below. So a sample needs one look-up, where separate
-/// ones are what binds the kernel. Row-major (bin, y, x).
+/// Element of the table on the device. It holds ScoreTable::pairs of a pixel (low half) and of its
+/// right neighbour (high half), for the pixel's row and for the row below. So a sample needs one
+/// look-up; separate look-ups would limit the speed of the kernel. Order: (bin, y, x), row-major.
 struct alignas(8) Quad {
   uint32_t top, bottom;
 };
 
-/// How samples become lines and lines a log-likelihood.
+/// Parameters for the sums over samples and lines.
 struct Rule {
-  int32_t paper;
-  float inverse_saturation;  ///< robust: 1 / samples that a line counts for at most
+  int32_t paper;             ///< 1: the paper's model, 0: robust model
+  float inverse_saturation;  ///< robust model: 1 / likelihood.line_saturation
   float inverse_fade;        ///< 1 / width of the fade at the image border, pixels
   float spacing_scale;       ///< see edge_mcl::spacingScale
 };
 
-/// Camera from map, as two floats each (value and rest), which keeps 48 bits of the pose.
+/// T_camera_map relative to the cell's origin. Every number is two floats (value and rest), which
+/// keep 48 bits.
 struct Pose {
   float rotation[9], rotation_rest[9];        ///< row-major
   float translation[3], translation_rest[3];  ///< of the cell's origin
@@ -71,7 +71,7 @@ EDGE_MCL_DEVICE_FUNCTION float dotRow(const float* row, const float* v) {
   return fmaf(row[2], v[2], fmaf(row[1], v[1], row[0] * v[0]));
 }
 
-/// Point in the camera frame, metres.
+/// Transforms a point (map axes, relative to the cell's origin, metres) into the camera frame.
 EDGE_MCL_DEVICE_FUNCTION Vector3 transformPoint(const Pose& pose, const float* point) {
   float out[3] = {0, 0, 0};
   for (int r = 0; r < 3; ++r) {
@@ -81,12 +81,13 @@ EDGE_MCL_DEVICE_FUNCTION Vector3 transformPoint(const Pose& pose, const float* p
   return {out[0], out[1], out[2]};
 }
 
+/// Rotates a direction from map axes into the camera frame.
 EDGE_MCL_DEVICE_FUNCTION Vector3 rotateDirection(const Pose& pose, const float* direction) {
   return {dotRow(pose.rotation, direction), dotRow(pose.rotation + 3, direction),
           dotRow(pose.rotation + 6, direction)};
 }
 
-/// Normalised image point after distortion and the (symmetric) Jacobian of the distortion.
+/// Normalised image point after distortion, and the Jacobian of the distortion (symmetric).
 struct Distorted {
   float x, y, j00, j01, j11;
 };
@@ -108,7 +109,7 @@ EDGE_MCL_DEVICE_FUNCTION Distorted distortPolynomial(const Camera& camera, float
                                                      float r2) {
   const float* k = camera.k;
   float factor = fmaf(r2, fmaf(r2, fmaf(r2, k[4], k[1]), k[0]), 1.0f);
-  float slope = fmaf(r2, fmaf(r2, 3 * k[4], 2 * k[1]), k[0]);  // by r2
+  float slope = fmaf(r2, fmaf(r2, 3 * k[4], 2 * k[1]), k[0]);  // derivative by r2
   if (camera.distortion == kRationalPolynomial) {
     const float below = fmaf(r2, fmaf(r2, fmaf(r2, k[7], k[6]), k[5]), 1.0f);
     const float below_slope = fmaf(r2, fmaf(r2, 3 * k[7], 2 * k[6]), k[5]);
@@ -123,12 +124,13 @@ EDGE_MCL_DEVICE_FUNCTION Distorted distortPolynomial(const Camera& camera, float
           fmaf(2 * slope, yy, factor + fmaf(2 * p2, x, 6 * p1 * y))};
 }
 
-/// Byte of a pair of neighbouring directions, interpolated between them.
+/// Interpolates between the two bytes of a pair, which belong to neighbouring direction bins.
 EDGE_MCL_DEVICE_FUNCTION float mixPair(uint32_t pair, float share) {
   const float here = static_cast<float>(pair & 0xffu);
   return fmaf(share, static_cast<float>(pair >> 8 & 0xffu) - here, here);
 }
 
+/// Whether one of two pixels is ignored (byte 0).
 EDGE_MCL_DEVICE_FUNCTION bool isIgnored(uint32_t two_pairs) {
   return !(two_pairs & 0xffu) || !(two_pairs & 0xff0000u);
 }
@@ -142,7 +144,8 @@ EDGE_MCL_DEVICE_FUNCTION Quad loadQuad(const Quad* at) {
 #endif
 }
 
-/// @param along metres from the segment's centre. @param centre, tangent camera frame.
+/// Projects a sample and looks up its score. @param centre, tangent camera frame, metres.
+/// @param along metres from the segment's centre.
 EDGE_MCL_DEVICE_FUNCTION SampleScore scoreSample(const Camera& camera, const Table& table,
                                                  const Quad* quads, const Rule& rule,
                                                  const Vector3& centre, const Vector3& tangent,
@@ -152,7 +155,7 @@ EDGE_MCL_DEVICE_FUNCTION SampleScore scoreSample(const Camera& camera, const Tab
   if (!(z > camera.min_depth)) return none;
   const float iz = 1 / z;
   float x = fmaf(along, tangent.x, centre.x) * iz, y = fmaf(along, tangent.y, centre.y) * iz;
-  // Direction of the projected edge, times the depth.
+  // Direction of the projected edge in the image plane, multiplied by the depth.
   float a = fmaf(-x, tangent.z, tangent.x), b = fmaf(-y, tangent.z, tangent.y);
   if (camera.distortion != kNone) {
     const float r2 = fmaf(x, x, y * y);
@@ -173,14 +176,14 @@ EDGE_MCL_DEVICE_FUNCTION SampleScore scoreSample(const Camera& camera, const Tab
   const float spacing = length * rule.spacing_scale * (rule.paper ? 1.0f : iz);
   const float weight = fminf(1.0f, border * rule.inverse_fade) * fminf(1.0f, spacing);
 
-  // Position on the unit diamond |du| + |dv| = 1 of the undirected edge.
+  // Direction of the undirected edge as position on the unit diamond |du| + |dv| = 1.
   const float ratio = fabsf(dv) / fmaxf(length, 1e-20f);
   const float diamond = du * dv < 0 ? 2 - ratio : ratio;
   const float bin = diamond * (0.5f * static_cast<float>(table.bins));
   const int bin_floor = static_cast<int>(fminf(bin, static_cast<float>(table.bins) - 0.5f));
   const float bin_share = bin - static_cast<float>(bin_floor);
   const int ix = static_cast<int>(u), iy = static_cast<int>(v);
-  // Not u - ix: one rounding less.
+  // This has one rounding less than u - ix.
   const float share_x = fmaf(camera.fx, x, camera.cx - static_cast<float>(ix));
   const float share_y = fmaf(camera.fy, y, camera.cy - static_cast<float>(iy));
   const Quad quad =

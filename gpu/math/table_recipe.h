@@ -1,4 +1,4 @@
-/// What turns pictures into score tables on a device: constants and look-up tables, on the host.
+/// Holds the constants and look-up tables with which a device makes score tables from pictures.
 #pragma once
 
 #include <vector>
@@ -7,23 +7,25 @@
 
 namespace edge_mcl::gpu {
 
-/// For pictures of one size. Immutable once made; engines keep what they have uploaded of it.
+/// Recipe for pictures of one size, in host memory. It must not change, because engines upload it
+/// only once.
 struct TableRecipe {
-  PictureWork work{};  ///< sizes and numbers; no buffers
-  std::vector<DirectionBin> directions;
-  std::vector<int32_t> shifts;
-  std::vector<uint8_t> level_codes;
-  std::vector<float> level_borders;
+  PictureWork work{};                    ///< sizes and numbers, without buffers
+  std::vector<DirectionBin> directions;  ///< PictureWork::direction
+  std::vector<int32_t> shifts;           ///< PictureWork::shift
+  std::vector<uint8_t> level_codes;      ///< PictureWork::level_codes
+  std::vector<float> level_borders;      ///< PictureWork::level_borders
 };
 
-/// A picture on the host, width x height of the recipe.
+/// A picture in host memory. It has the size of the recipe.
 struct PictureData {
   const uint8_t* grey;
-  size_t stride;          ///< bytes between rows
-  const uint8_t* ignore;  ///< non-zero: ignored; null without
-  size_t ignore_stride;
+  size_t stride;          ///< bytes from row to row
+  const uint8_t* ignore;  ///< non-zero: ignored; null without a mask
+  size_t ignore_stride;   ///< bytes from row to row
 };
 
+/// Numbers of elements of the buffers of PictureWork.
 inline size_t pixelsOf(const PictureWork& w) {
   return static_cast<size_t>(w.width) * static_cast<size_t>(w.height);
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr char kMagic[16] = "edge_mcl work 3";
 constexpr uint64_t kMostElements = uint64_t{1} << 32;
 
-/// Visits the parts of the file in their order.
+/// Calls `part` for every part of the file, in the order of the file.
 template <class W, class F>
 void visitParts(W& w, F&& part) {
   part.text(w.name);
@@ -57,7 +57,7 @@ struct Writer {
 struct Reader {
   std::ifstream in;
   std::string file;
-  uint64_t left = 0;  // bytes of the file
+  uint64_t left = 0;  // bytes of the file that are not read yet
   void bytes(void* to, uint64_t size) {
     if (size > left) throw std::runtime_error(file + ": the workload is cut off");
     in.read(static_cast<char*>(to), static_cast<std::streamsize>(size));
@@ -80,7 +80,7 @@ struct Reader {
   void text(std::string& s) { array(s); }
 };
 
-/// Whether kernels that go by the recipe stay within its arrays.
+/// Whether kernels that use the recipe stay within its arrays.
 bool isSound(const Workload& w) {
   const TableRecipe& r = w.recipe;
   const PictureWork& p = r.work;

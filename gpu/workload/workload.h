@@ -1,5 +1,5 @@
-/// One image, one model and many poses in a file: everything that a machine with a GPU and nothing
-/// else needs to check and time the backend.
+/// Reads and writes workload files. A workload has one image, one model and many poses. With it, a
+/// machine that has only a GPU and this program can check and time the backend.
 #pragma once
 
 #include <string>
@@ -10,6 +10,7 @@
 
 namespace edge_mcl::gpu {
 
+/// Content of a workload file.
 struct Workload {
   std::string name;
   Camera camera{};
@@ -17,22 +18,23 @@ struct Workload {
   Rule rule{};
   Combination combination{};
   std::vector<uint16_t> pairs;  ///< score table, see ScoreTable::pairs
-  TableRecipe recipe;           ///< of the table; no bins: it cannot be made on a device
-  std::vector<uint8_t> grey;    ///< what the table was made of, without gaps between rows
-  std::vector<uint8_t> ignore;  ///< empty without a mask
-  std::vector<Chunk> chunks;    ///< of all cells
+  TableRecipe recipe;           ///< of the table; with 0 bins a device cannot make the table
+  std::vector<uint8_t> grey;    ///< image of the table, without gaps between rows
+  std::vector<uint8_t> ignore;  ///< ignored pixels, as `grey`; empty without a mask
+  std::vector<Chunk> chunks;    ///< chunks of all cells
   std::vector<Sample> samples;  ///< kLanes for every chunk
   std::vector<Cell> cells;
   std::vector<Particle> particles;
   std::vector<double> reference;  ///< log-likelihoods of the CPU backend, one per particle
-  double plain_ms = 0;            ///< plainly written flow, one thread, all particles
-  double cpu_ms = 0;              ///< CPU backend, all threads, all particles
+  double plain_ms = 0;            ///< time of the plain flow for all particles, one thread
+  double cpu_ms = 0;              ///< time of the CPU backend for all particles, all threads
 };
 
-/// Native byte order; the machine that reads must be like the one that wrote.
-/// @throws std::runtime_error naming the file.
+/// Writes a workload in native byte order. The machine that reads it must have the same byte order
+/// and memory layout. @throws std::runtime_error with the name of the file.
 void writeWorkload(const Workload& workload, const std::string& file);
-/// Checks every index in the file. @throws std::runtime_error naming the file and the fault.
+/// Reads a workload and checks every index in it. @throws std::runtime_error with the name of the
+/// file and the fault.
 Workload readWorkload(const std::string& file);
 
 }  // namespace edge_mcl::gpu
