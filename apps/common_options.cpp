@@ -1,5 +1,7 @@
 #include "apps/common_options.h"
 
+#include <CLI/CLI.hpp>
+
 #include "edge_mcl/core/base/error.h"
 
 namespace edge_mcl {

@@ -1,12 +1,15 @@
 /// Options that several subcommands share.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "edge_mcl/core/base/parameters.h"
+
+namespace CLI {
+class App;
+}
 
 namespace edge_mcl {
 

@@ -1,5 +1,6 @@
 // edge-mcl inspect: prints size, edges and faults of a model, so that the user sees whether the
 // model is read as expected.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>

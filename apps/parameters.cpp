@@ -1,4 +1,5 @@
 // edge-mcl parameters: every parameter with its value, unit, range and meaning.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>

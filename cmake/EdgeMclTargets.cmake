@@ -7,6 +7,9 @@ if(EDGE_MCL_WERROR)
 endif()
 # Functions of a shared library are not replaced from outside, so calls within it may be inlined.
 target_compile_options(edge_mcl_build_flags INTERFACE -fno-semantic-interposition)
+# An inline function of a header is compiled into every library and program. Without this a program's
+# copy, which may be less optimised, would replace the library's.
+target_compile_options(edge_mcl_build_flags INTERFACE -fvisibility-inlines-hidden)
 # One result whatever the optimiser does: no contraction of a*b+c behind the reader's back.
 target_compile_options(edge_mcl_build_flags INTERFACE -ffp-contract=off)
 if(EDGE_MCL_SANITIZE STREQUAL "address")
@@ -61,5 +64,21 @@ function(edge_mcl_precompile target)
     target_compile_options(${target} PRIVATE -fpch-preprocess)  # ccache needs it
   endif()
 endfunction()
+# Uses the precompiled header of another target of the same kind and options.
+function(edge_mcl_precompile_as target other)
+  if(EDGE_MCL_PCH AND NOT EDGE_MCL_SANITIZE AND NOT EDGE_MCL_FUZZ)
+    target_precompile_headers(${target} REUSE_FROM ${other})
+    set_target_properties(${target} ${other} PROPERTIES DEFINE_SYMBOL "")
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      target_compile_options(${target} PRIVATE -fpch-preprocess)
+    endif()
+  endif()
+endfunction()
+
+# For nodes, tools and tests: they call libraries and compute nothing themselves. Most of their compile
+# time is the optimisation of other libraries' templates, which gains nothing there.
+function(edge_mcl_shell target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
 set(EDGE_MCL_PCH_CORE <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <sstream> <string>
-  <vector> <Eigen/Cholesky> <Eigen/Eigenvalues> <Eigen/Geometry> <opencv2/core.hpp> <tbb/parallel_for.h>)
+  <vector> <Eigen/Geometry> <opencv2/core.hpp> <tbb/parallel_for.h>)

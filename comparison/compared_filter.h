@@ -23,7 +23,7 @@ class ComparedFilter {
 /// and edge_mcl's model of its noise.
 struct Motion {
   Pose increment = Pose::Identity();  ///< of the camera, in its own frame
-  Twist sigma = Twist::Zero();        ///< standard deviations, m and rad
+  Vector6 sigma = Vector6::Zero();    ///< standard deviations, m and rad
 };
 
 /// Computes the motion between moments from the odometry.

@@ -120,7 +120,7 @@ MrptFilter2D::~MrptFilter2D() = default;
 
 void MrptFilter2D::initialize(const PoseGaussian& start) {
   RandomSource random(params_.seed);
-  const Twist sigma = start.covariance.diagonal().cwiseSqrt();
+  const Vector6 sigma = start.covariance.diagonal().cwiseSqrt();
   std::vector<mrpt::math::TPose2D> poses;
   for (int i = 0; i < params_.particles; ++i) {
     const Pose body =
@@ -152,7 +152,7 @@ Pose MrptFilter2D::process(const LiveInput& input, const Pose& truth) {
                              level * opticalOnBody(), height_, plan_);
     if (scan) frame.insert(scan);
   }
-  filter_->runner.executeOn(*filter_, &actions, frame.size() > 0 ? &frame : nullptr);
+  filter_->runner.executeOn(*filter_, &actions, frame.empty() ? nullptr : &frame);
   mrpt::poses::CPose2D mean;
   filter_->getMean(mean);
   Pose body = level;

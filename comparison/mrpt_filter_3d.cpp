@@ -44,8 +44,9 @@ MrptFilter3D::~MrptFilter3D() = default;
 
 void MrptFilter3D::initialize(const PoseGaussian& start) {
   RandomSource random(params_.seed);
-  const Twist sigma = start.covariance.diagonal().cwiseSqrt();
+  const Vector6 sigma = start.covariance.diagonal().cwiseSqrt();
   std::vector<Pose> poses;
+  poses.reserve(static_cast<size_t>(params_.particles));
   for (int i = 0; i < params_.particles; ++i)
     poses.push_back(normalized(start.mean * expSe3(sigma.cwiseProduct(random.normalTwist())) *
                                opticalOnBody().inverse()));
@@ -100,8 +101,8 @@ MrptFilter3D::Observe observePoints(const DepthParameters& params) {
 
 MrptFilter3D::Observe observeImages() {
   return [](const LiveInput& input) -> mrpt::obs::CObservation::Ptr {
-    if (input.views.empty()) return nullptr;
-    const LiveInput::View& view = input.views.front();
+    if (input.images.empty()) return nullptr;
+    const LiveInput::CameraImage& view = input.images.front();
     auto observation = std::make_shared<CObservationMaskedImage>();
     observation->timestamp = mrpt::Clock::fromDouble(input.time);
     observation->cameraPose = toMrpt(opticalOnBody());

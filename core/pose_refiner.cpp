@@ -2,7 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -181,9 +180,7 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
   RefinementResult result;
   result.pose = start;
   Matrix6 prior_information = Matrix6::Zero();
-  if (prior)
-    prior_information =
-        (prior->covariance + 1e-12 * Matrix6::Identity()).ldlt().solve(Matrix6::Identity());
+  if (prior) prior_information = inverseOf(prior->covariance + 1e-12 * Matrix6::Identity());
   Matrix6 information = Matrix6::Identity();
   const int steps = effort.iterations;
   std::vector<ChosenSamples> chosen;
@@ -216,7 +213,7 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
       // A direction that no edge constrains must not move.
       information += 1e-6 * n.h.diagonal().maxCoeff() * Matrix6::Identity();
     }
-    Twist delta = information.ldlt().solve(gradient);
+    Twist delta = solve(information, gradient);
     if (!delta.allFinite()) return result;
     constexpr double kLongestMove = 0.25, kLargestTurn = 0.15;  // per step, m and rad
     const double excess =
@@ -225,7 +222,7 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
     result.pose = normalized(result.pose * expSe3(delta));
     result.converged = delta.head<3>().norm() < 1e-4 && delta.tail<3>().norm() < 1.7e-4;
   }
-  result.covariance = information.ldlt().solve(Matrix6::Identity());
+  result.covariance = inverseOf(information);
   return result;
 }
 

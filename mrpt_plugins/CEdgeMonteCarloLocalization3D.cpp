@@ -51,7 +51,7 @@ void CEdgeMonteCarloLocalization3D::prediction_and_update_pfStandardProposal(
     const mrpt::bayes::CParticleFilter::TParticleFilterOptions&) {
   takeParticles();
   double dt = 0;
-  if (observation && observation->size() > 0) {
+  if (observation && !observation->empty()) {
     const double time = mrpt::Clock::toDouble(observation->getObservationByIndex(0)->timestamp);
     if (last_time_ >= 0) {
       dt = time - last_time_;

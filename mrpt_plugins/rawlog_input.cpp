@@ -145,7 +145,7 @@ struct RawlogInput::Impl {
   void add(const CObservation& obs, LiveInput* input) const {
     mrpt::img::CImage::setImagesPathBase(images_folder);  // holds for the whole process
     if (const auto image = imageOf(obs, camera ? &*camera : nullptr)) {
-      LiveInput::View view;
+      LiveInput::CameraImage view;
       view.camera = image->camera;
       view.T_base_camera = image->T_base_camera;
       view.origin = name + ": " + originOf(obs);
@@ -153,7 +153,7 @@ struct RawlogInput::Impl {
       view.image = image->pixels.clone();
       if (masks) view.mask = image->mask.clone();
       input->time = timeOf(obs);
-      input->views.push_back(std::move(view));
+      input->images.push_back(std::move(view));
     }
     if (!depths) return;
     if (const auto depth = depthOf(obs)) {

@@ -36,15 +36,14 @@ def includes_itself(file):
         return 'HWY_TARGET_INCLUDE' in f.read()
 
 
-def groups_of(files, entries):
-    """Files of one folder and target together, at most MOST_TOGETHER."""
+def groups_of(files):
+    """Files of one folder together, at most MOST_TOGETHER."""
     folders = collections.defaultdict(list)
     for file in files:
         if includes_itself(file):
             folders[file].append(file)
         else:
-            target = re.search(r'-o (\S+\.dir)/', entries[file]['command'])
-            folders[(os.path.dirname(file), target.group(1) if target else '')].append(file)
+            folders[os.path.dirname(file)].append(file)
     groups = []
     for members in folders.values():
         parts = -(-len(members) // MOST_TOGETHER)
@@ -95,7 +94,7 @@ def main():
     with open(database, encoding='utf-8') as f:
         entries = {os.path.realpath(e['file']): e for e in json.load(f)}
     wanted = [f for f in files if f in entries]
-    groups = groups_of(wanted, entries)
+    groups = groups_of(wanted)
     print('lint: clang-tidy on %d files' % len(wanted), flush=True)
     failed = 0
     with tempfile.TemporaryDirectory() as folder:

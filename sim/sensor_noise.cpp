@@ -14,7 +14,7 @@ Pose OdometrySimulator::next(double time, const Pose& truth) {
         noise_.position * root + noise_.per_metre * increment.translation().norm();
     const double angle = noise_.angle_deg * M_PI / 180 * root +
                          noise_.per_radian * logSo3(increment.linear()).norm();
-    Twist scale;
+    Vector6 scale;
     scale << position, position, position, angle, angle, angle;
     odometry_ =
         normalized(odometry_ * increment * expSe3(scale.cwiseProduct(random_.normalTwist())));

@@ -74,7 +74,7 @@ RecordingSetup Simulator::setup() const {
   setup.T_base_camera = s.T_body_camera();
   setup.depth_scale = s.depth_scale;
   RandomSource random(s.seed * 3 + 4);
-  Twist scale;
+  Vector6 scale;
   scale.head<3>().setConstant(setup.initial_std_position);
   scale.tail<3>().setConstant(setup.initial_std_angle);
   setup.initial_pose =

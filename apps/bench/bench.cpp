@@ -1,4 +1,5 @@
 // edge-mcl bench: times the paper's algorithm, plainly written, and this program in one run.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -68,7 +68,7 @@ LikelihoodBench::LikelihoodBench(std::shared_ptr<LocalizationMap> map, const Seq
 }
 
 std::vector<Pose> LikelihoodBench::draw(size_t count) const {
-  Twist scale;
+  Vector6 scale;
   scale.head<3>().setConstant(settings_.spread_position);
   scale.tail<3>().setConstant(settings_.spread_angle_deg * M_PI / 180);
   std::vector<Pose> drawn;

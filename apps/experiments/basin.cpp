@@ -1,6 +1,7 @@
 // edge-mcl basin: starts the filter with an error and counts how often one image leads it to the
 // right pose.
 #include <tbb/parallel_for.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
 // edge-mcl compare: compares this localizer with MRPT's own filters and writes a document.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,6 @@
 // edge-mcl trials: flies many random flights with a fault. Counts how often the localizer finds the
 // pose, and how often it reports `tracking` at a wrong pose.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -68,7 +69,7 @@ LiveInput inputOf(const RecordedFrame& frame, const TrialFlight& flight, const T
   LiveInput input;
   input.time = frame.time;
   input.odometry = frame.odometry;
-  LiveInput::View view;
+  LiveInput::CameraImage view;
   view.camera = flight.camera();
   view.image = frame.color;
   if (!o.no_mask) view.mask = frame.mask;
@@ -79,7 +80,7 @@ LiveInput inputOf(const RecordedFrame& frame, const TrialFlight& flight, const T
     if (!view.mask.empty()) depth.image.mask = {view.mask, view.camera, Pose::Identity()};
     input.depths.push_back(std::move(depth));
   }
-  input.views.push_back(std::move(view));
+  input.images.push_back(std::move(view));
   if (!o.no_gravity) {
     const double sigma = o.imu_sigma_deg * kDegree;
     const Eigen::Vector3d error =
@@ -156,7 +157,7 @@ Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
     const bool tracking = r.state == LocalizerState::kTracking;
     outcome.tracking += tracking ? 1 : 0;
     outcome.silent += tracking && !right ? 1 : 0;
-    if (tracking) outcome.nees.push_back(error.dot(r.estimate.covariance.ldlt().solve(error)));
+    if (tracking) outcome.nees.push_back(squaredMahalanobis(error, r.estimate.covariance));
     if (has_event && i >= o.event && !tracking && !announced) {
       announced = true;
       outcome.announced_after = i - o.event;

@@ -1,4 +1,5 @@
 // edge-mcl bag, edge-mcl rawlog: convert a sequence directory to a ROS bag or an MRPT rawlog.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <limits>
 #include <memory>

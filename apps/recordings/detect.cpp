@@ -1,4 +1,5 @@
 // edge-mcl detect: finds objects that are not in the map, and writes masks of them.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

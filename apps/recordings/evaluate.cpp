@@ -1,4 +1,5 @@
 // edge-mcl evaluate: computes the errors of a trajectory against a reference, without alignment.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>

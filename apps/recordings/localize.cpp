@@ -1,4 +1,5 @@
 // edge-mcl localize: a recording and a model in, a trajectory with covariance out.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -38,7 +39,7 @@ void writeOverlay(const LocalizeOptions& o, const RecordedLocalizer& localizer,
   const LiveResult& r = localizer.result();
   if (o.overlay.empty() || r.images.empty() || !localizer.localizer().isInitialized()) return;
   const Pose T_map_camera =
-      r.estimate.mean * localizer.input().views[r.image_numbers.front()].T_base_camera;
+      r.estimate.mean * localizer.input().images[r.image_numbers.front()].T_base_camera;
   writePicture(o.overlay + "/" + time_text + ".png",
                drawOverlay(localizer.localizer().map(), *r.images.front(), T_map_camera));
 }

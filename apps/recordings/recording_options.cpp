@@ -1,5 +1,6 @@
 #include "apps/recordings/recording_options.h"
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <map>

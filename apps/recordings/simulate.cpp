@@ -1,4 +1,5 @@
 // edge-mcl simulate: flies a scenario and writes a sequence directory, a bag or a rawlog.
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
 #include <cstdio>

@@ -1,4 +1,5 @@
 // edge-mcl view: localizes a recording and shows it in a window, as a video or as pictures.
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <memory>

@@ -14,6 +14,8 @@ namespace edge_mcl {
 namespace {
 
 constexpr size_t kHugePage = size_t{1} << 21, kSmall = 64;
+/// More than any machine has; rounding it up does not overflow.
+constexpr size_t kLargest = size_t{1} << 60;
 
 size_t alignmentOf(size_t bytes) { return bytes >= kHugePage ? kHugePage : kSmall; }
 
@@ -42,6 +44,7 @@ Store& store() {
 }  // namespace
 
 void* takeLargeBlock(size_t bytes) {
+  if (bytes > kLargest) throw std::bad_alloc();
   bytes = roundedUp(bytes);
   {
     Store& s = store();

@@ -1,5 +1,7 @@
 #include "edge_mcl/core/base/se3.h"
 
+#include <Eigen/Cholesky>
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -98,6 +100,14 @@ Pose normalized(const Pose& pose) {
 
 double rotationAngle(const Pose& a, const Pose& b) {
   return logSo3(a.linear().transpose() * b.linear()).norm();
+}
+
+Matrix6 inverseOf(const Matrix6& symmetric) { return symmetric.ldlt().solve(Matrix6::Identity()); }
+
+Twist solve(const Matrix6& symmetric, const Twist& right) { return symmetric.ldlt().solve(right); }
+
+double squaredMahalanobis(const Twist& offset, const Matrix6& covariance) {
+  return offset.dot(covariance.ldlt().solve(offset));
 }
 
 PoseGaussian meanAndCovariance(const std::vector<Pose>& poses, const std::vector<double>& weights) {

@@ -18,6 +18,10 @@ using Pose = Eigen::Isometry3d;
 using Twist = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// Six numbers for the axes of a tangent vector that are no tangent vector themselves: standard
+/// deviations (m, rad) or variances.
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
 /// Matrix of the cross product: skew(v) * u = v x u.
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 /// Rotation matrix of a rotation vector, radians.
@@ -46,6 +50,13 @@ struct PoseGaussian {
   Pose mean = Pose::Identity();
   Matrix6 covariance = Matrix6::Zero();
 };
+
+/// Inverse of a covariance or information matrix, by Cholesky decomposition.
+Matrix6 inverseOf(const Matrix6& symmetric);
+/// Solves `symmetric * x = right` by Cholesky decomposition.
+Twist solve(const Matrix6& symmetric, const Twist& right);
+/// Squared Mahalanobis distance: offset^T covariance^-1 offset.
+double squaredMahalanobis(const Twist& offset, const Matrix6& covariance);
 
 /// Weighted intrinsic mean of poses, and their covariance in the tangent space at the mean. The
 /// mean is the fixed point of `mean * exp(sum w_i log(mean^-1 T_i))`. The iteration starts at the

@@ -1,5 +1,6 @@
 #include "edge_mcl/core/base/yaml_file.h"
 
+#include <filesystem>
 #include <fstream>
 
 #include "edge_mcl/core/base/error.h"
@@ -7,7 +8,9 @@
 namespace edge_mcl {
 
 YAML::Node loadYamlFile(const std::string& file) {
-  if (!std::ifstream(file)) throw InputError(file + ": cannot be read");
+  // A folder can be opened, but not read.
+  if (std::filesystem::is_directory(file) || !std::ifstream(file))
+    throw InputError(file + ": cannot be read");
   try {
     return YAML::LoadFile(file);
   } catch (const YAML::Exception& e) {

@@ -17,6 +17,12 @@ cv::Mat turnMask(const cv::Mat& mask, const CameraModel& camera,
   cv::Mat turned;
   cv::warpPerspective(mask, turned, homography, mask.size(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
                       cv::Scalar(0));
+  // The homography also maps rays that pointed backwards in the older camera. There the third
+  // coordinate of the older ray is not positive.
+  const Eigen::RowVector3d depth = (k * R_now_then.transpose() * k.inverse()).row(2);
+  for (int y = 0; y < turned.rows; ++y)
+    for (int x = 0; x < turned.cols; ++x)
+      if (depth[0] * x + depth[1] * y + depth[2] <= 0) turned.at<uint8_t>(y, x) = 0;
   return turned;
 }
 

@@ -70,7 +70,7 @@ std::vector<double> ChartAxis::ticks() const {
 
 Chart::Chart(cv::Rect area, std::string title, ChartAxis x, ChartAxis y, bool equal_scale)
     : area_(area), title_(std::move(title)), x_(std::move(x)), y_(std::move(y)) {
-  constexpr int kTop = 48, kBottom = 44, kRight = 16, kGap = 8;  // room for labels, pixels
+  constexpr int kTop = 48, kBottom = 44, kRight = 26, kGap = 8;  // room for labels, pixels
   int widest = 0;
   for (const double v : y_.ticks())
     widest = std::max(widest, textSize(numberText(v), kChartText).width);

@@ -86,7 +86,7 @@ struct Batch {
 };
 
 /// Cone around the part of space that the cameras of a block can see.
-struct ViewCone {
+struct BlockCone {
   Eigen::Vector3d apex;
   Eigen::Vector3d axis;
   double sin_half, cos_half;  // half the opening angle, with the spread of the orientations
@@ -105,8 +105,8 @@ struct ViewCone {
 };
 
 /// Cone of particles [begin, end) of the batch's order.
-ViewCone coneOf(const Batch& batch, size_t begin, size_t end) {
-  ViewCone cone;
+BlockCone coneOf(const Batch& batch, size_t begin, size_t end) {
+  BlockCone cone;
   cone.apex = Eigen::Vector3d::Zero();
   cone.axis = Eigen::Vector3d::Zero();
   for (size_t i = begin; i < end; ++i) {
@@ -133,7 +133,7 @@ ViewCone coneOf(const Batch& batch, size_t begin, size_t end) {
 
 /// Merges the visible sets of the block's cells into the block's list of segments.
 /// @param cells distinct indices into batch.sets.
-void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const ViewCone& cone,
+void fillSegments(const Batch& batch, const std::vector<uint32_t>& cells, const BlockCone& cone,
                   KernelBlock* block) {
   const EdgeModel& model = *batch.sets[cells.front()]->model;
   SegmentUnion merged(model.segments.size());

@@ -1,6 +1,7 @@
 /// A set of segment numbers with ranks. It merges the visible sets of several cells.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 

@@ -12,7 +12,8 @@ namespace edge_mcl {
 
 namespace {
 
-constexpr size_t kLongestLine = 1024, kMostLines = 1000;
+/// A header within these limits is read in a moment. Programs write comments of some kilobytes.
+constexpr size_t kLongestLine = 65536, kMostLines = 1000;
 
 std::vector<std::string> words(const std::string& line) {
   std::istringstream in(line);

@@ -1,6 +1,7 @@
 #include "edge_mcl/core/recordings/text_table.h"
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <sstream>
@@ -14,6 +15,8 @@ namespace {
 /// Calls f(line_number, fields) for every line that is not empty or a comment.
 template <class F>
 void forEachLine(const std::string& file, F&& f) {
+  // A folder can be opened, but not read.
+  if (std::filesystem::is_directory(file)) throw InputError(file + ": cannot be read");
   std::ifstream in(file);
   if (!in) throw InputError(file + ": cannot be read");
   std::string text;

@@ -75,7 +75,7 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
   // Starts are the centre of the predicted cloud and the best particles. A particle is left out
   // when it is closer to a better one than half a standard deviation of the cloud (root mean square
   // over the six axes).
-  const Matrix6 information = predictive.core().covariance.ldlt().solve(Matrix6::Identity());
+  const Matrix6 information = inverseOf(predictive.core().covariance);
   std::vector<Pose> chosen{predictive.core().mean};
   const size_t looked_at = std::max<size_t>(order.size() / 2, 1);
   for (size_t k = 0; k < looked_at && chosen.size() < static_cast<size_t>(starts); ++k) {
@@ -115,7 +115,7 @@ ModeProposal::ModeProposal(const LocalizationMap& map, const std::vector<CameraV
     bool fresh = true;
     for (const GaussianDensity& m : modes_) {
       const Twist d = logSe3(m.gaussian().mean.inverse() * r.pose);
-      fresh = fresh && d.dot(m.gaussian().covariance.ldlt().solve(d)) > 6;
+      fresh = fresh && squaredMahalanobis(d, m.gaussian().covariance) > 6;
     }
     if (fresh) modes_.emplace_back(PoseGaussian{r.pose, kWider * r.covariance});
   }

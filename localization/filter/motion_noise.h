@@ -12,11 +12,11 @@ namespace edge_mcl {
 /// Standard deviations of an odometry increment, per axis: metres, radians. They have a part that
 /// grows with the root of the time and a part in proportion to the distance or the angle.
 /// @param increment motion of the base. @param dt duration of the motion, seconds.
-inline Twist odometryNoise(const FilterParameters& p, const Pose& increment, double dt) {
+inline Vector6 odometryNoise(const FilterParameters& p, const Pose& increment, double dt) {
   // The parameters hold for a step of kReferenceTime seconds.
   constexpr double kReferenceTime = 0.1;
   const double root = std::sqrt(dt / kReferenceTime);
-  Twist sigma;
+  Vector6 sigma;
   sigma.head<3>().setConstant(p.odometry_noise_position * root +
                               p.odometry_noise_per_metre * increment.translation().norm());
   sigma.tail<3>().setConstant(p.odometry_noise_angle_deg * kDegree * root +
@@ -27,9 +27,9 @@ inline Twist odometryNoise(const FilterParameters& p, const Pose& increment, dou
 /// Standard deviations of a motion that the constant-velocity model predicts, per axis: metres,
 /// radians. They have a part that grows with the root of the time and a part from an unknown
 /// acceleration. @param dt duration of the motion, seconds.
-inline Twist walkNoise(const FilterParameters& p, double dt) {
+inline Vector6 walkNoise(const FilterParameters& p, double dt) {
   const double root = std::sqrt(dt), half_square = dt * dt / 2;
-  Twist sigma;
+  Vector6 sigma;
   sigma.head<3>().setConstant(p.walk_position_rate * root + p.walk_acceleration * half_square);
   sigma.tail<3>().setConstant(
       kDegree * (p.walk_angle_rate_deg * root + p.walk_angular_acceleration_deg * half_square));
@@ -40,7 +40,7 @@ inline Twist walkNoise(const FilterParameters& p, double dt) {
 /// turned into the new axes and grows by the noise.
 /// @param step motion in the axes of the pose. @param sigma standard deviations of the step, per
 /// axis after the step: metres, radians.
-inline PoseGaussian moved(const PoseGaussian& pose, const Pose& step, const Twist& sigma) {
+inline PoseGaussian moved(const PoseGaussian& pose, const Pose& step, const Vector6& sigma) {
   const Matrix6 to_new_axes = adjoint(step.inverse());
   PoseGaussian result;
   result.mean = normalized(pose.mean * step);

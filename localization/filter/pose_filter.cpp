@@ -86,7 +86,7 @@ void PoseFilter::resampleIfNeeded() {
   log_weights_.assign(poses_.size(), 0);
 }
 
-void PoseFilter::addNoise(const Twist& scale) {
+void PoseFilter::addNoise(const Vector6& scale) {
   for (Pose& pose : poses_)
     pose = normalized(pose * expSe3(scale.cwiseProduct(random_.normalTwist())));
   noise_variance_ += scale.cwiseAbs2();
@@ -104,7 +104,7 @@ void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
     throw InputError(
         "filter: the odometry increment is not finite, or its time is negative or not finite");
   resampleIfNeeded();
-  const Twist noise_before = noise_variance_;
+  const Vector6 noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
   addNoise(odometryNoise(params_, increment, dt));
   moveEstimate(increment, noise_before);
@@ -116,7 +116,7 @@ void PoseFilter::predictWithoutOdometry(double dt, std::optional<double> elapsed
     throw InputError("filter: the time step is negative or not finite");
   resampleIfNeeded();
   const Pose increment = expSe3(velocity_ * dt);
-  const Twist noise_before = noise_variance_;
+  const Vector6 noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
   addNoise(walkNoise(params_, dt));
   moveEstimate(increment, noise_before);

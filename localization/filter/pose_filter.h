@@ -90,7 +90,7 @@ class PoseFilter {
 
  private:
   void resampleIfNeeded();
-  void addNoise(const Twist& scale);
+  void addNoise(const Vector6& scale);
   /// @param noise_before noise_variance_ before the noise of this step was added.
   void moveEstimate(const Pose& increment, const Twist& noise_before);
   void trackVelocity();
@@ -127,9 +127,9 @@ class PoseFilter {
   std::map<uint32_t, DepthBias> depth_biases_;  // key: CameraView::depth_sensor
   RecoveryAverages edges_fit_, depth_fit_;
   std::optional<PoseGaussian> last_estimate_;
-  double since_last_estimate_ = 0;        // seconds
-  Twist noise_variance_ = Twist::Zero();  // sum of the prediction's noise since the last update
-  Twist velocity_ = Twist::Zero();        // base frame, m/s and rad/s
+  double since_last_estimate_ = 0;            // seconds
+  Vector6 noise_variance_ = Vector6::Zero();  // sum of the prediction's noise since the last update
+  Twist velocity_ = Twist::Zero();            // base frame, m/s and rad/s
 };
 
 }  // namespace edge_mcl

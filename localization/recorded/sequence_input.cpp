@@ -10,14 +10,14 @@ LiveInput readInput(const Sequence& sequence, const SequenceFrame& frame,
   input.time = frame.time;
   input.time_text = frame.time_text;
   input.odometry = frame.odometry;
-  LiveInput::View view;
+  LiveInput::CameraImage view;
   try {
     view.camera = sequence.camera;
     view.origin = frame.image_file;
     if (parts.images) view.image = readImage(frame.image_file, sequence.camera);
     if (parts.masks && !frame.mask_file.empty())
       view.mask = readMask(frame.mask_file, sequence.camera);
-    if (parts.images) input.views.push_back(view);
+    if (parts.images) input.images.push_back(view);
   } catch (const InputError& e) {
     *problem = e.what();
     return input;  // without the mask the depth image cannot be trusted either

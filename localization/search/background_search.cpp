@@ -16,10 +16,10 @@ namespace {
 /// Whether odometry is too uncertain after a motion for the pose to be trusted. The limits
 /// correspond to about three seconds of flight. After three seconds of darkness, too, one image
 /// that fits is no proof of the pose.
-bool isFarByOdometry(const Twist& variance, double blind) {
+bool isFarByOdometry(const Vector6& variance, double blind) {
   // Standard deviations in m and rad, and a time without odometry in s.
   constexpr double kPosition = 0.05, kAngle = 1.5 * kDegree, kBlind = 0.3;
-  const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
+  const Vector6 sigma = variance.cwiseMax(0).cwiseSqrt();
   return sigma.head<3>().maxCoeff() > kPosition || sigma.tail<3>().maxCoeff() > kAngle ||
          blind > kBlind;
 }
@@ -63,7 +63,7 @@ void BackgroundSearch::move(const BaseMotion& motion) {
 
 void BackgroundSearch::offer(const std::vector<CameraView>& views,
                              const std::optional<UpReading>& up) {
-  if (has_view_ && !since_view_.isNewView(map_.params().search)) return;
+  if (has_view_ && !since_view_.isKeyframe(map_.params().search)) return;
   // When the queue is full, the oldest keyframe is dropped. Those that remain are closer together
   // than if only the newest keyframe waited.
   constexpr size_t kMostWaiting = 3;
@@ -95,9 +95,9 @@ SearchReport BackgroundSearch::process(const std::vector<CameraView>& views,
 
 SearchReport BackgroundSearch::carriedToNow(const Report& then) const {
   const Pose motion = then.since_begin.step.inverse() * since_begin_.step;
-  const Twist variance = since_begin_.variance - then.since_begin.variance;
+  const Vector6 variance = since_begin_.variance - then.since_begin.variance;
   SearchReport now = then.report;
-  const Twist sigma = variance.cwiseMax(0).cwiseSqrt();
+  const Vector6 sigma = variance.cwiseMax(0).cwiseSqrt();
   now.stale =
       then.over_gap || isFarByOdometry(variance, since_begin_.blind - then.since_begin.blind);
   now.estimate = moved(now.estimate, motion, sigma);

@@ -63,7 +63,7 @@ void GlobalLocalizer::begin(const PoseGaussian& guess, bool only_there) {
 
 void GlobalLocalizer::move(const BaseMotion& motion) {
   since_.add(motion);
-  const Twist sigma = motion.variance.cwiseSqrt();
+  const Vector6 sigma = motion.variance.cwiseSqrt();
   if (up_) {
     up_->up_base = motion.step.linear().transpose() * up_->up_base;
     up_->sigma = std::hypot(up_->sigma, sigma[3]);
@@ -73,7 +73,7 @@ void GlobalLocalizer::move(const BaseMotion& motion) {
 }
 
 PoseGaussian GlobalLocalizer::predicted(const FoundPose& before, const Pose& motion,
-                                        const Twist& variance) {
+                                        const Vector6& variance) {
   PoseGaussian result = moved({before.pose, before.covariance}, motion, variance.cwiseSqrt());
   addVariance(kFollowFloor, &result);
   return result;
@@ -91,7 +91,7 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
   }
   report_.keyframe = false;
   report_.total_ms = 0;
-  if (!keyframes_.empty() && !since_.isNewView(map_.params().search)) {
+  if (!keyframes_.empty() && !since_.isKeyframe(map_.params().search)) {
     report_.estimate.mean =
         hypotheses_.empty() ? Pose::Identity() : normalized(hypotheses_.front().pose * since_.step);
     return report_;

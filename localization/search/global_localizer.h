@@ -51,7 +51,8 @@ class GlobalLocalizer : public PoseFinder {
 
   /// The prior at the next keyframe: the pose moved by odometry. kFollowFloor is added to its
   /// covariance.
-  static PoseGaussian predicted(const FoundPose& before, const Pose& motion, const Twist& variance);
+  static PoseGaussian predicted(const FoundPose& before, const Pose& motion,
+                                const Vector6& variance);
   /// Moves all hypotheses to the newest keyframe and refines them there.
   void follow();
   /// Searches for new hypotheses in the newest keyframe.

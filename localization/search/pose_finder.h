@@ -40,10 +40,10 @@ struct SearchReport {
 
 /// Motion of the base over a time, with its uncertainty.
 struct BaseMotion {
-  Pose step = Pose::Identity();    ///< motion in the frame of the base before it
-  Twist variance = Twist::Zero();  ///< of the step, per axis: m^2, rad^2
-  double elapsed = 0;              ///< duration, s
-  double blind = 0;                ///< the part of the duration without odometry, s
+  Pose step = Pose::Identity();        ///< motion in the frame of the base before it
+  Vector6 variance = Vector6::Zero();  ///< of the step, per axis: m^2, rad^2
+  double elapsed = 0;                  ///< duration, s
+  double blind = 0;                    ///< the part of the duration without odometry, s
 
   /// Motion over one time step. @param increment from odometry; none: the base is assumed to stand
   /// still, with the noise of the constant-velocity model. @param dt seconds.
@@ -67,7 +67,7 @@ struct BaseMotion {
 
   /// Whether an image after this motion becomes a keyframe: after search.keyframe_distance or
   /// search.keyframe_angle_deg, or, if odometry was missing, after search.keyframe_period.
-  bool isNewView(const SearchParameters& p) const {
+  bool isKeyframe(const SearchParameters& p) const {
     if (blind > 0) return elapsed >= p.keyframe_period;
     return step.translation().norm() >= p.keyframe_distance ||
            logSo3(step.linear()).norm() >= p.keyframe_angle_deg * kDegree;

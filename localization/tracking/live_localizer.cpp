@@ -43,7 +43,7 @@ void LiveLocalizer::begin() {
 }
 
 bool LiveLocalizer::isSpreadWide() const {
-  const Twist variance = filter_.estimate().covariance.diagonal();
+  const Vector6 variance = filter_.estimate().covariance.diagonal();
   return std::sqrt(variance.head<3>().maxCoeff()) > kWideSpread.position ||
          std::sqrt(variance.tail<3>().maxCoeff()) > kWideSpread.angle;
 }
@@ -108,7 +108,7 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->relocalized = true;
   // The search has just explained these images. The filter uses them for its own covariance.
   useImages(views, result);
-  if (weigh(input.time, *result)) judge(input.time, true, true);
+  if (addToProof(input.time, *result)) judge(input.time, true, true);
 }
 
 bool LiveLocalizer::agreesWith(const SearchReport& report) const {
@@ -121,12 +121,12 @@ bool LiveLocalizer::agreesWith(const SearchReport& report) const {
          isNear(report.estimate.mean, filter_.estimate().mean, kSamePose);
 }
 
-bool LiveLocalizer::weigh(double time, const LiveResult& result) {
+bool LiveLocalizer::addToProof(double time, const LiveResult& result) {
   // When only depth was used, the match ratio counts as 1.
   const double ratio = result.report.used_samples > 0 ? result.match_ratio : 1;
-  return proof_.weigh({time, result.updated, isConfirmed(result), ratio,
-                       static_cast<double>(result.report.visible_lines)},
-                      filter_.estimate());
+  return proof_.add({time, result.updated, isConfirmed(result), ratio,
+                     static_cast<double>(result.report.visible_lines)},
+                    filter_.estimate());
 }
 
 void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
@@ -206,7 +206,7 @@ bool LiveLocalizer::hasMoved(const LiveInput& input) const {
          (p.update_min_a_deg > 0 && angle_deg >= p.update_min_a_deg);
 }
 
-cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::View& view) {
+cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::CameraImage& view) {
   // Only while the pose is trusted: at a wrong pose other edges under the mask may fit by chance.
   const bool fits = view.mask.type() == CV_8UC1 && view.mask.size() == view.image.size() &&
                     view.image.cols == view.camera.width && view.image.rows == view.camera.height;
@@ -225,15 +225,16 @@ void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
   // row.
   if (!used || state() != LocalizerState::kTracking) return mask_lifter_.forget();
   std::vector<Pose> T_base_camera;
-  for (const LiveInput::View& view : input.views) T_base_camera.push_back(view.T_base_camera);
+  for (const LiveInput::CameraImage& view : input.images)
+    T_base_camera.push_back(view.T_base_camera);
   mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
 }
 
 void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
                                   std::vector<CameraView>* views, std::string* problem) {
   const TrackingParameters& p = tracking_;
-  for (size_t number = 0; number < input.views.size(); ++number) {
-    const LiveInput::View& view = input.views[number];
+  for (size_t number = 0; number < input.images.size(); ++number) {
+    const LiveInput::CameraImage& view = input.images[number];
     if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
       const double share =
           static_cast<double>(cv::countNonZero(view.mask)) / static_cast<double>(view.mask.total());
@@ -334,7 +335,7 @@ bool LiveLocalizer::showWhatIsNotInView(const std::vector<CameraView>& views) {
 }
 
 void LiveLocalizer::judge(double time, bool trusted, bool used) {
-  const Twist variance = filter_.estimate().covariance.diagonal();
+  const Vector6 variance = filter_.estimate().covariance.diagonal();
   const bool narrow =
       std::sqrt(variance.head<3>().maxCoeff()) < tracking_.converged_std_position &&
       std::sqrt(variance.tail<3>().maxCoeff()) < tracking_.converged_std_angle_deg * kDegree;
@@ -374,7 +375,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     }
     if (result->updated) odometry_of_update_ = input.odometry;
     const bool confirmed = isConfirmed(*result);
-    trusted = weigh(input.time, *result);
+    trusted = addToProof(input.time, *result);
     if (result->updated && !confirmed && problem.empty())
       problem = "the image does not confirm the pose";
     judge(input.time, trusted, result->updated);

@@ -18,7 +18,7 @@ namespace edge_mcl {
 /// All sensor data of one moment.
 struct LiveInput {
   /// An image of one camera.
-  struct View {
+  struct CameraImage {
     CameraModel camera;
     cv::Mat image;
     cv::Mat mask;                           ///< empty: none
@@ -32,7 +32,7 @@ struct LiveInput {
     uint32_t sensor = 0;  ///< number of the sensor, see CameraView::depth_sensor
   };
   double time = 0;  ///< seconds
-  std::vector<View> views;
+  std::vector<CameraImage> images;
   std::vector<Depth> depths;
   std::string time_text;         ///< stamp as the recording writes it, for output; may be empty
   std::optional<Pose> odometry;  ///< T_odom_base at this moment; none: not known
@@ -117,9 +117,9 @@ class LiveLocalizer {
   /// converged.
   bool agreesWith(const SearchReport& report) const;
   /// Adds a result to the proof of the pose. @return whether the pose is trusted
-  bool weigh(double time, const LiveResult& result);
+  bool addToProof(double time, const LiveResult& result);
   /// The mask of a view, lifted along model lines that the image shows under it.
-  cv::Mat maskOf(size_t number, const LiveInput::View& view);
+  cv::Mat maskOf(size_t number, const LiveInput::CameraImage& view);
   void learnUnderMasks(const LiveInput& input, bool used);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem);

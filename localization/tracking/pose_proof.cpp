@@ -53,7 +53,7 @@ void PoseProof::begin(bool needed) {
   doubts_ = 0;
 }
 
-void PoseProof::move(const Pose& step, const Twist& sigma) {
+void PoseProof::move(const Pose& step, const Vector6& sigma) {
   if (expected_) expected_ = moved(*expected_, step, sigma);
   for (Anchor& anchor : anchors_) anchor.pose = moved(anchor.pose, step, sigma);
 }
@@ -64,7 +64,7 @@ bool PoseProof::isFarFrom(const PoseGaussian& expected, const PoseGaussian& esti
   covariance.diagonal().head<3>().array() += kFloor.position * kFloor.position;
   covariance.diagonal().tail<3>().array() += kFloor.angle * kFloor.angle;
   const Twist off = logSe3(expected.mean.inverse() * estimate.mean);
-  return off.dot(covariance.ldlt().solve(off)) > (doubts_ > 0 || needed_ ? kFarInDoubt : kFar);
+  return squaredMahalanobis(off, covariance) > (doubts_ > 0 || needed_ ? kFarInDoubt : kFar);
 }
 
 bool PoseProof::isElsewhere(const PoseGaussian& estimate) const {
@@ -91,7 +91,7 @@ void PoseProof::trust(const ImageVerdict& image, const PoseGaussian& estimate) {
   while (anchors_.front().time < image.time - kOldest) anchors_.pop_front();
 }
 
-bool PoseProof::weigh(const ImageVerdict& image, const PoseGaussian& estimate) {
+bool PoseProof::add(const ImageVerdict& image, const PoseGaussian& estimate) {
   if (!image.confirmed) {
     doubts_ += image.used ? 1 : 0;
     needed_ = needed_ || doubts_ >= kDoubts;

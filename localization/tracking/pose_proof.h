@@ -47,11 +47,11 @@ class PoseProof {
 
   /// Moves the remembered poses. @param step motion by odometry or as the filter expects, T_old_new
   /// @param sigma its standard deviations, m and rad
-  void move(const Pose& step, const Twist& sigma);
+  void move(const Pose& step, const Vector6& sigma);
 
   /// Adds an image. @param estimate pose after the image, T_map_base. @return whether the pose is
   /// trusted now
-  bool weigh(const ImageVerdict& image, const PoseGaussian& estimate);
+  bool add(const ImageVerdict& image, const PoseGaussian& estimate);
 
  private:
   struct Anchor {

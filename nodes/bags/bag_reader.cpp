@@ -129,9 +129,10 @@ struct BagReader::Impl {
     return sensorMounting(*transforms, topics.base_frame, header, where);
   }
 
-  LiveInput::View viewOf(const sensor_msgs::ImageConstPtr& message, const ros::Time& received) {
+  LiveInput::CameraImage viewOf(const sensor_msgs::ImageConstPtr& message,
+                                const ros::Time& received) {
     const std::string where = file + " at " + std::to_string(message->header.stamp.toSec());
-    LiveInput::View view;
+    LiveInput::CameraImage view;
     view.origin = where;
     view.camera = *camera;
     // Copied, because the message is deleted after this moment.
@@ -142,8 +143,8 @@ struct BagReader::Impl {
     return view;
   }
 
-  void addDepth(const LiveInput::View& view, const ros::Time& stamp, const ros::Time& received,
-                LiveInput* input) {
+  void addDepth(const LiveInput::CameraImage& view, const ros::Time& stamp,
+                const ros::Time& received, LiveInput* input) {
     const auto message = depths.take(stamp, received, kDepthWindow);
     if (!message) return;
     LiveInput::Depth depth;
@@ -207,8 +208,8 @@ bool BagReader::next(LiveInput* input, std::string* problem) {
       input->odometry =
           fromMessage(odometry.lookupTransform(odom, base, stamp).transform, "odometry");
     const ros::Time received = (*m.image).getTime();
-    input->views.push_back(m.viewOf(message, received));
-    m.addDepth(input->views.back(), stamp, received, input);
+    input->images.push_back(m.viewOf(message, received));
+    m.addDepth(input->images.back(), stamp, received, input);
   } catch (const std::exception& e) {
     *problem = e.what();
   }

@@ -246,8 +246,8 @@ void LocalizerNode::process(const Moment& moment) {
   force_update_ = false;
   LiveResult result = localizer_->process(input);
   for (const size_t number : result.image_numbers)
-    context.T_base_camera.push_back(input.views[number].T_base_camera);
-  const bool nothing_usable = input.views.empty() && input.depths.empty();
+    context.T_base_camera.push_back(input.images[number].T_base_camera);
+  const bool nothing_usable = input.images.empty() && input.depths.empty();
   if (!read.problem.empty() && (result.problem.empty() || nothing_usable))
     result.problem = read.problem;
   if (result.updated) ++updates_;

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "edge_mcl/nodes/localizer/localizer_node.h"
+#include "edge_mcl/nodes/localizer/localizer_run.h"
 
 namespace edge_mcl {
 
@@ -12,13 +12,13 @@ class LocalizerNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
     try {
-      node_ = std::make_unique<LocalizerNode>(getMTNodeHandle(), getMTPrivateNodeHandle());
+      node_ = startLocalizer(getMTNodeHandle(), getMTPrivateNodeHandle());
     } catch (const std::exception& e) {
       NODELET_FATAL("%s", e.what());
       throw;  // the nodelet manager reports that the nodelet could not be loaded
     }
   }
-  std::unique_ptr<LocalizerNode> node_;
+  std::shared_ptr<void> node_;
 };
 
 }  // namespace edge_mcl

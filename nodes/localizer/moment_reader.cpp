@@ -65,7 +65,7 @@ std::optional<Pose> MomentReader::odometryAt(const ros::Time& stamp, std::string
     return now;
   };
   try {
-    const std::optional<Pose> found = awaitData<Pose>(
+    std::optional<Pose> found = awaitData<Pose>(
         &odometry_patience_, look, [&] { return ros::WallTime::now() < until; },
         [] { ros::WallDuration(0.002).sleep(); }, [&] { return running_.load(); });
     if (found) return found;
@@ -133,13 +133,13 @@ void MomentReader::addView(const Moment::CameraPart& part, LastMask* last, Momen
   if (!part.match) throw InputError(part.origin + ": no image of this moment");
   if (!part.info) throw InputError(part.origin + ": no camera_info yet");
   const sensor_msgs::ImageConstPtr& image = part.match->image;
-  LiveInput::View view;
+  LiveInput::CameraImage view;
   view.origin = part.origin;
   view.camera = fromMessage(*part.info, part.origin + " camera_info");
   view.image = fromMessage(image, part.origin);
   view.T_base_camera = sensorMounting(tf_, params_.base_frame_id, image->header, part.origin);
   if (params_.use_masks) view.mask = maskFor(part, view.camera, view.T_base_camera, last, result);
-  result->input.views.push_back(std::move(view));
+  result->input.images.push_back(std::move(view));
 }
 
 void MomentReader::addDepth(const Moment::CameraPart& part, size_t camera, LastMask* last,
@@ -157,7 +157,7 @@ void MomentReader::addDepth(const Moment::CameraPart& part, size_t camera, LastM
   depth.T_base_camera = sensorMounting(tf_, params_.base_frame_id, part.depth->header, origin);
   depth.sensor = static_cast<uint32_t>(camera);
   bool image_is_used = false;
-  for (const LiveInput::View& view : result->input.views) {
+  for (const LiveInput::CameraImage& view : result->input.images) {
     if (view.origin != part.origin) continue;
     image_is_used = true;
     if (!view.mask.empty())

@@ -103,7 +103,7 @@ void ResultPublisher::publishStatus(const LiveResult& result, const LiveLocalize
   status.depth_points = static_cast<float>(r.depth_points);
   status.depth_agreement = static_cast<float>(r.depth_agreement);
   status.masked_share = static_cast<float>(result.masked_share);
-  const Twist variance = result.estimate.covariance.diagonal();
+  const Vector6 variance = result.estimate.covariance.diagonal();
   status.position_std = static_cast<float>(std::sqrt(variance.head<3>().maxCoeff()));
   status.angle_std = static_cast<float>(std::sqrt(variance.tail<3>().maxCoeff()));
   status.edges_ms = static_cast<float>(result.image_times.edges);

@@ -152,8 +152,4 @@ class LiveView : public ViewSource {
   std::vector<image_transport::Subscriber> image_subscribers_;
 };
 
-/// Runs the viewer node until ROS shuts down, the window is closed, or `moments` moments are
-/// recorded. @throws ParameterError, InputError, Error
-void runViewer(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
-
 }  // namespace edge_mcl

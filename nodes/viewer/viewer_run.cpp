@@ -6,6 +6,7 @@
 #include "edge_mcl/nodes/common/private_parameters.h"
 #include "edge_mcl/nodes/localizer/node_parameters.h"
 #include "edge_mcl/nodes/viewer/viewer_node.h"
+#include "edge_mcl/nodes/viewer/viewer_run.h"
 #include "edge_mcl/viewer/output/view_recorder.h"
 #include "edge_mcl/viewer/window/viewer_window.h"
 

@@ -268,13 +268,24 @@ def detection(c, source):
               'four of five images: %d %s' % (r.returncode, r.stderr))
 
 
+def devices(c, source):
+    """A GPU that is asked for and is not there is an error in every command, not a CPU run."""
+    if os.path.exists('/dev/nvidiactl'):
+        print('SKIPPED: there is a GPU')
+        return
+    scenario = os.path.join(source, 'maps', 'office_flight.yaml')
+    sequence = sequence_in(c, 'devices')
+    for command in (('trials', scenario, '--count', '1', '--images', '2'), ('localize', sequence), ('basin', sequence)):
+        expect(c, command[0] + ' --backend cuda', USAGE, ('likelihood.backend cuda',), *command, '--backend', 'cuda')
+
+
 def main():
     tool, source = sys.argv[1:3]
     folder = tempfile.mkdtemp()
     try:
         c = Cases(tool, folder)
         for part in (contradictions, rawlogs, outputs, evaluation, missing_images, simulation, comparison,
-                     detection):
+                     detection, devices):
             part(c, source)
     finally:
         shutil.rmtree(folder)

@@ -41,7 +41,7 @@ inline bool hasColorNear(const cv::Mat& picture, cv::Point at, const cv::Scalar&
                          double tolerance) {
   for (int y = std::max(0, at.y - reach); y <= std::min(picture.rows - 1, at.y + reach); ++y)
     for (int x = std::max(0, at.x - reach); x <= std::min(picture.cols - 1, at.x + reach); ++x) {
-      const cv::Vec3b p = picture.at<cv::Vec3b>(y, x);
+      const cv::Vec3b& p = picture.at<cv::Vec3b>(y, x);
       if (std::abs(p[0] - color[0]) + std::abs(p[1] - color[1]) + std::abs(p[2] - color[2]) <
           tolerance)
         return true;

@@ -62,8 +62,8 @@ ViewMoment momentOf(const LiveInput& input, const LiveResult& result,
       m.weights.push_back(static_cast<float>(std::exp(weights[i] - best)));
     }
   }
-  if (!input.views.empty()) {
-    const LiveInput::View& view = input.views.front();
+  if (!input.images.empty()) {
+    const LiveInput::CameraImage& view = input.images.front();
     m.has_camera = true;
     m.camera = view.camera;
     m.T_base_camera = view.T_base_camera;

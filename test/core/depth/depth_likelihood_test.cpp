@@ -1,9 +1,11 @@
+#include "edge_mcl/core/depth/depth_likelihood.h"
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/depth/depth_likelihood.h"
 #include "edge_mcl/core/localization_map.h"
+#include "support/depth_scenes.h"
 #include "support/random_points.h"
 #include "support/scenes.h"
 
@@ -13,112 +15,15 @@ namespace {
 using test::anywhere;
 using test::plainDistance;
 using test::Random;
+using test::roomDepth;
+using test::roomField;
 
-const Pose kView = test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15});
-
-DepthImage roomDepth(const Pose& view = kView) {
-  DepthImage image;
-  image.camera = test::pinhole(160, 120, 125);
-  image.depth = test::renderDepth(test::furnishedRooms(), image.camera, view);
-  image.origin = "room";
-  return image;
-}
-
-std::shared_ptr<const DistanceField> roomField() {
-  static const auto field =
-      std::make_shared<const DistanceField>(test::furnishedRooms(), DistanceField::Options());
-  return field;
-}
+const Pose kView = test::roomView();
 
 Pose disturbed(Random* random, double position, double angle) {
   Twist xi;
   xi << position * anywhere(random), angle * anywhere(random);
   return kView * expSe3(xi);
-}
-
-/// Every point, projected by the camera model, must lie on a pixel that has its depth.
-TEST(DepthPoints, ProjectBackToTheirPixels) {
-  for (const DistortionModel model :
-       {DistortionModel::kNone, DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial,
-        DistortionModel::kEquidistant}) {
-    DepthImage image;
-    image.camera = test::distorted(test::pinhole(), model);
-    image.depth = cv::Mat(480, 640, CV_16U);
-    for (int y = 0; y < 480; ++y)
-      for (int x = 0; x < 640; ++x) image.depth.at<uint16_t>(y, x) = 1000 + 4 * x + y;
-    const DepthPoints points = makeDepthPoints(image, DepthParameters());
-    ASSERT_GT(points.count, 400u);
-    EXPECT_LE(points.count, 500u);
-    for (size_t i = 0; i < points.count; ++i) {
-      Eigen::Vector2d pixel;
-      ASSERT_TRUE(image.camera.project({points.x[i], points.y[i], points.z[i]}, &pixel));
-      const int x = static_cast<int>(std::lround(pixel.x())),
-                y = static_cast<int>(std::lround(pixel.y()));
-      EXPECT_NEAR(pixel.x(), x, 1e-3);
-      EXPECT_NEAR(pixel.y(), y, 1e-3);
-      EXPECT_NEAR(points.z[i], image.depth.at<uint16_t>(y, x) / 1000.0, 1e-6);
-    }
-  }
-}
-
-/// Columns and rows of the depth image are missing, negative, infinite, too far or masked. No point
-/// may come from them.
-TEST(DepthPoints, WhatIsIgnoredOutOfRangeOrMissingIsLeftOut) {
-  DepthImage image = roomDepth();
-  DepthParameters params;
-  params.max_range = 2.5;
-  image.depth.colRange(0, 40).setTo(NAN);
-  image.depth.rowRange(0, 10).setTo(-1);
-  image.depth.rowRange(10, 15).setTo(INFINITY);
-  image.mask = {cv::Mat::zeros(120, 160, CV_8U), image.camera, Pose::Identity()};
-  image.mask->pixels.colRange(100, 160).setTo(255);
-  const DepthPoints points = makeDepthPoints(image, params);
-  ASSERT_GT(points.count, 20u);
-  for (size_t i = 0; i < points.count; ++i) {
-    Eigen::Vector2d pixel;
-    ASSERT_TRUE(image.camera.project({points.x[i], points.y[i], points.z[i]}, &pixel));
-    EXPECT_GT(pixel.x(), 39.5);
-    EXPECT_LT(pixel.x(), 99.5);
-    EXPECT_GT(pixel.y(), 14.5);
-    EXPECT_LE(points.z[i], 2.5f);
-  }
-  image.mask->pixels.setTo(1);
-  EXPECT_EQ(makeDepthPoints(image, params).count, 0u);
-  image.mask.reset();
-  image.depth.setTo(0);
-  EXPECT_EQ(makeDepthPoints(image, params).count, 0u);
-}
-
-TEST(DepthPoints, TheMaskMayBeThatOfAnotherCamera) {
-  DepthImage image = roomDepth();
-  // The mask belongs to a colour camera 30 cm to the right. It masks the right half of this camera,
-  // which is a half-space of the scene.
-  const Eigen::Vector3d offset(0.3, 0, 0);
-  DepthImage::Mask mask{cv::Mat::zeros(480, 640, CV_8U), test::pinhole(), Pose::Identity()};
-  mask.T_mask_depth.translation() = -offset;
-  mask.pixels.colRange(320, 640).setTo(1);
-  image.mask = mask;
-  const DepthPoints points = makeDepthPoints(image, DepthParameters());
-  ASSERT_GT(points.count, 50u);
-  for (size_t i = 0; i < points.count; ++i) {
-    Eigen::Vector2d pixel;
-    const Eigen::Vector3d seen = Eigen::Vector3d(points.x[i], points.y[i], points.z[i]) - offset;
-    if (mask.camera.project(seen, &pixel) && mask.camera.contains(pixel)) {
-      EXPECT_LT(pixel.x(), 319.6);
-    }
-  }
-}
-
-TEST(DepthPoints, BrokenImagesAreErrors) {
-  DepthImage image = roomDepth();
-  image.camera.width = 150;
-  EXPECT_THROW(makeDepthPoints(image, DepthParameters()), InputError);
-  image = roomDepth();
-  image.depth.convertTo(image.depth, CV_8U);
-  EXPECT_THROW(makeDepthPoints(image, DepthParameters()), InputError);
-  image = roomDepth();
-  image.mask = {cv::Mat::zeros(12, 16, CV_8U), image.camera, Pose::Identity()};
-  EXPECT_THROW(makeDepthPoints(image, DepthParameters()), InputError);
 }
 
 TEST(DepthLikelihood, AgreesWithTheFormulaOnTrueDistances) {

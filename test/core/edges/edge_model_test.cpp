@@ -65,29 +65,6 @@ TEST(EdgeModel, SubdividedEdgesBecomeOneLine) {
   EXPECT_NEAR(edges.feature_length, 4, 1e-4);
 }
 
-TEST(EdgeModel, WeldsVerticesAndDropsDegenerateAndDuplicateFaces) {
-  MeshSoup soup;
-  test::addBox(&soup, {0, 0, 0}, {1, 1, 1});
-  // Every triangle has its own vertices, with errors of up to 2e-6 m per axis. One triangle is
-  // added twice, and one has no area.
-  MeshSoup loose;
-  int k = 0;
-  for (const auto& t : soup.triangles) {
-    const auto base = static_cast<uint32_t>(loose.vertices.size());
-    for (uint32_t v : t)
-      loose.vertices.push_back(soup.vertices[v] + Eigen::Vector3f::Constant(1e-6f * (k++ % 3)));
-    loose.triangles.push_back({base, base + 1, base + 2});
-  }
-  loose.triangles.push_back(loose.triangles.front());
-  loose.triangles.push_back({0, 0, 1});
-  loose.triangle_material.assign(loose.triangles.size(), 0);
-  MeshModel mesh = weldMesh(loose, 1e-5, "loose box");
-  EXPECT_EQ(mesh.vertices.size(), 8u);
-  EXPECT_EQ(mesh.report.degenerate_triangles, 1u);
-  EXPECT_EQ(mesh.report.duplicate_triangles, 1u);
-  EXPECT_EQ(buildEdgeModel(&mesh, {}).countOf(EdgeKind::kCrease), 12u);
-}
-
 /// A square consists of two triangles of different materials.
 TEST(EdgeModel, MaterialBordersAreEdges) {
   MeshSoup soup;
@@ -142,17 +119,6 @@ TEST(EdgeModel, AWireframeIsALegalMap) {
   // The lines 1-2 and 2-4 are collinear and touch, so they are one.
   EXPECT_EQ(edges.countOf(EdgeKind::kLine), 2u);
   EXPECT_NEAR(edges.feature_length, 3, 1e-5);
-}
-
-TEST(EdgeModel, ScaleAndTransformAreApplied) {
-  MapParameters params;
-  params.scale = 0.001;
-  params.x = 5;
-  params.yaw_deg = 90;
-  const std::string file = writeFile("mm.obj", "v 0 0 0\nv 1000 0 0\nl 1 2\n");
-  const MeshModel mesh = loadMesh(file, params);
-  EXPECT_LT((mesh.lowest - Eigen::Vector3f(5, 0, 0)).norm(), 1e-5f);
-  EXPECT_LT((mesh.highest - Eigen::Vector3f(5, 1, 0)).norm(), 1e-5f);
 }
 
 }  // namespace

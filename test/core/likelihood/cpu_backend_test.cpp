@@ -1,39 +1,25 @@
+#include "edge_mcl/core/likelihood/cpu_backend.h"
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <memory>
 
-#include "edge_mcl/core/base/random_source.h"
 #include "edge_mcl/core/image/edge_field.h"
-#include "edge_mcl/core/likelihood/cpu_backend.h"
 #include "edge_mcl/core/likelihood/reference_likelihood.h"
 #include "edge_mcl/core/localization_map.h"
+#include "support/room_view.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {
 namespace {
 
-CameraModel cameraWith(DistortionModel model) {
-  return test::distorted(test::pinhole(320, 240, 220), model);
-}
+using test::posesAroundView;
+using test::roomPicture;
 
-const Pose kView = test::lookAlong({3.2, 2.5, 1.4}, {-1, -0.5, -0.15});
+CameraModel cameraWith(DistortionModel model) { return test::distorted(test::roomCamera(), model); }
 
-cv::Mat roomPicture() {
-  static const cv::Mat picture =
-      test::render(test::furnishedRooms(), test::pinhole(320, 240, 220), kView, 1);
-  return picture;
-}
-
-std::vector<Pose> cloud(size_t n, double metres, double radians, uint64_t seed) {
-  RandomSource random(seed);
-  std::vector<Pose> poses;
-  Twist scale;
-  scale << metres, metres, metres, radians, radians, radians;
-  for (size_t i = 0; i < n; ++i)
-    poses.push_back(kView * expSe3(scale.cwiseProduct(random.normalTwist())));
-  return poses;
-}
+const Pose kView = test::roomView();
 
 struct Case {
   DistortionModel distortion;
@@ -52,7 +38,7 @@ TEST_P(AgainstReference, EveryParticleAgrees) {
   mask(cv::Rect(100, 80, 60, 50)) = 255;
   const auto image = map.prepare(cameraWith(GetParam().distortion), roomPicture(), mask, "room");
   const VisibleSet set = map.visibility().exact(kView.translation());
-  const std::vector<Pose> poses = cloud(400, 0.15, 0.1, 11);
+  const std::vector<Pose> poses = posesAroundView(400, 0.15, 0.1, 11);
   const std::vector<PoseScore> fast = evaluateWithVisibleSet(image->frame, set, poses);
   double worst = 0;
   for (size_t i = 0; i < poses.size(); ++i) {
@@ -92,7 +78,7 @@ TEST(Thinning, IsAModelWithFewerSamples) {
     params.likelihood.model = model;
     const LocalizationMap map(test::furnishedRooms(), params);
     const auto image = map.prepare(cameraWith(DistortionModel::kNone), roomPicture(), {}, "room");
-    const std::vector<Pose> poses = cloud(50, 0.1, 0.05, 4);
+    const std::vector<Pose> poses = posesAroundView(50, 0.1, 0.05, 4);
     const VisibleSet all = map.visibility().exact(kView.translation());
     for (const uint32_t thinning : {1u, 3u, 8u, 30u}) {
       VisibleSet struck;
@@ -115,34 +101,6 @@ TEST(Thinning, IsAModelWithFewerSamples) {
         EXPECT_NEAR(fast[i].sample_weight, truth.sample_weight, 1e-3 * (1 + truth.sample_weight));
       }
     }
-  }
-}
-
-TEST(Thinning, LeavesAboutAsManySamplesAsAskedFor) {
-  const LocalizationMap map(test::furnishedRooms(), Parameters());
-  const auto image = map.prepare(cameraWith(DistortionModel::kNone), roomPicture(), {}, "room");
-  const auto samplesAt = [&](uint32_t thinning) {
-    const VisibleSet set = map.visibility().exact(kView.translation(), thinning);
-    size_t count = 0;
-    for (const VisibleSet::Segment& s : set.segments)
-      for (uint32_t i = 0; i < set.edgeSegment(s).sample_count; ++i) {
-        Eigen::Vector2d pixel;
-        const Eigen::Vector3d p =
-            kView.inverse() * set.model->samplePosition(set.edgeSegment(s), i);
-        count += (s.samples >> i & 1) && image->frame.camera.project(p, &pixel) &&
-                 image->frame.camera.contains(pixel);
-      }
-    return count;
-  };
-  const size_t all = samplesAt(1);
-  EXPECT_EQ(map.thinningFor({image}, kView, 0), 1u);
-  EXPECT_EQ(map.thinningFor({image}, kView, 10 * all), 1u);
-  for (const size_t most : {all / 10, all / 3}) {
-    // The thinning is a whole number, and the number of samples in the image is only estimated. So
-    // a factor of two is allowed.
-    const size_t left = samplesAt(map.thinningFor({image}, kView, most));
-    EXPECT_GT(left, most / 2);
-    EXPECT_LT(left, 2 * most);
   }
 }
 
@@ -209,45 +167,11 @@ TEST(RobustLikelihood, WhatIsNotSeenSaysNothing) {
   EXPECT_GT(map.evaluate({{open, Pose::Identity()}}, {kView}).front().log_likelihood, 10);
 }
 
-TEST(RobustLikelihood, ChanceScoresZeroOnAverage) {
-  // The distances are drawn from p0, the density of distances by chance. So the mean of the centred
-  // log-ratio is zero by construction. With 200,000 draws its standard error is about 0.003, and
-  // the tolerance is five times as much.
-  LikelihoodParameters params;
-  RandomSource random(12);
-  for (const double clutter : {0.005, 0.02, 0.1}) {
-    double sum = 0;
-    constexpr int kDraws = 200000;
-    for (int i = 0; i < kDraws; ++i) {
-      const double d = -std::log(1 - random.uniform()) / (2 * clutter);
-      sum += sampleScore(params, d > 24 ? INFINITY : d, clutter, 24);
-    }
-    EXPECT_NEAR(sum / kDraws, 0, 0.015) << clutter;
-  }
-}
-
-/// Without centring, a missing edge scores log(missing_edge) at every density of clutter.
-TEST(RobustLikelihood, UncentredAMissingEdgeCostsTheSameOnABareWallAsAmongTexture) {
-  const ImageParameters image;
-  const LikelihoodParameters params;
-  const SearchGeometry search(image);
-  const ScoreLevels centred(image, params), uncentred(image, params, false);
-  const auto missing = [&](const ScoreLevels& levels, float clutter) {
-    return levels.offset() +
-           levels.scale() * static_cast<float>(levels.codes(0, clutter)[search.noEdge(0)]);
-  };
-  for (const float clutter : {0.004F, 0.02F, 0.1F})
-    EXPECT_NEAR(missing(uncentred, clutter), std::log(params.missing_edge), uncentred.scale());
-  // With centring, a missing edge scores nearly zero on a bare wall: by chance, most samples there,
-  // the share exp(-2cs), have no edge.
-  EXPECT_NEAR(missing(centred, 0.004F), 0, 0.2);
-}
-
 /// The scores must be equal to the last bit.
 TEST(CpuBackend, OnePoseAloneAndInABatchGiveTheSameBitsOnAnyNumberOfThreads) {
   const LocalizationMap map(test::furnishedRooms(), Parameters());
   const auto image = map.prepare(cameraWith(DistortionModel::kPlumbBob), roomPicture(), {}, "room");
-  const std::vector<Pose> poses = cloud(333, 0.2, 0.1, 13);
+  const std::vector<Pose> poses = posesAroundView(333, 0.2, 0.1, 13);
   std::vector<PoseScore> one_thread, two_threads;
   {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);

@@ -67,6 +67,17 @@ TEST(MeshLoader, AModelFarFromItsOriginIsRefusedOrWarnedOf) {
   EXPECT_TRUE(loadMesh(at(600000), millimetres).report.warnings.empty());
 }
 
+TEST(EdgeModel, ScaleAndTransformAreApplied) {
+  MapParameters params;
+  params.scale = 0.001;
+  params.x = 5;
+  params.yaw_deg = 90;
+  const std::string file = writeFile("mm.obj", "v 0 0 0\nv 1000 0 0\nl 1 2\n");
+  const MeshModel mesh = loadMesh(file, params);
+  EXPECT_LT((mesh.lowest - Eigen::Vector3f(5, 0, 0)).norm(), 1e-5f);
+  EXPECT_LT((mesh.highest - Eigen::Vector3f(5, 1, 0)).norm(), 1e-5f);
+}
+
 /// The file has one face without vertices and two triangles.
 TEST(MeshLoader, AFaceWithoutVerticesIsDropped) {
   const MeshModel mesh = loadMesh(

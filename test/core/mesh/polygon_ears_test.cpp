@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 
 std::vector<Vector3d> flat(const std::vector<std::pair<double, double>>& corners) {
   std::vector<Vector3d> polygon;
+  polygon.reserve(corners.size());
   for (const auto& [x, y] : corners) polygon.emplace_back(x, y, 0);
   return polygon;
 }
@@ -62,6 +63,7 @@ TEST(PolygonEars, CoverThePolygonWithoutFlatTriangles) {
       // The polygon is turned and moved in space.
       const Eigen::AngleAxisd turn(0.7, Vector3d(1, 2, -1).normalized());
       std::vector<Vector3d> placed;
+      placed.reserve(polygon.size());
       for (const Vector3d& p : polygon) placed.push_back(turn * p + Vector3d(3, -2, 1));
       const auto triangles = cutEars(placed);
       ASSERT_EQ(triangles.size(), polygon.size() - 2);
@@ -78,6 +80,7 @@ TEST(PolygonEars, CoverThePolygonWithoutFlatTriangles) {
 /// A polygon that crosses itself, is flat or is bent gives no triangles.
 TEST(PolygonEars, RegularPolygonsAreConvexAndCrossedOnesCannotBeCut) {
   std::vector<std::pair<double, double>> regular;
+  regular.reserve(12);
   for (int i = 0; i < 12; ++i) regular.emplace_back(std::cos(i * M_PI / 6), std::sin(i * M_PI / 6));
   EXPECT_TRUE(isStrictlyConvex(flat(regular)));
   EXPECT_TRUE(cutEars(flat({{0, 0}, {2, 2}, {2, 0}, {0, 2}})).empty());

@@ -7,8 +7,6 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/recordings/trajectory_evaluation.h"
-#include "edge_mcl/localization/recorded/sequence_input.h"
 
 namespace edge_mcl {
 namespace {
@@ -106,42 +104,15 @@ TEST_F(SequenceTest, MasksOfAPartOfTheImagesAreWarnedOf) {
   EXPECT_TRUE(sequence.warnings.empty());
 }
 
-/// The reference has ten times the rate of the estimate. Nine of the ten estimated poses are right:
-/// 9 % of all reference poses, 90 % of the matched ones.
-TEST(TrajectoryEvaluation, ADenseReferenceCostsNoSuccess) {
-  Trajectory estimate, reference;
-  for (int k = 0; k < 100; ++k) {
-    reference.push_back({0.01 * k, "", Pose::Identity()});
-    if (k % 10 == 0) estimate.push_back(reference.back());
-  }
-  estimate.back().pose.translation().x() = 1;
-  const TrajectoryErrors errors = evaluateTrajectory(estimate, reference);
-  EXPECT_EQ(errors.matched, 10u);
-  EXPECT_NEAR(errors.success_share, 0.09, 1e-12);
-  EXPECT_NEAR(errors.success_share_of_matched, 0.9, 1e-12);
-}
-
 TEST_F(SequenceTest, StampsInNanosecondsAreAnError) {
   write("rgb.txt", "1403715273262142976 a.png\n1403715273312143104 b.png\n");
   EXPECT_THROW(read(), InputError);
 }
 
-TEST_F(SequenceTest, ABadDepthImageDoesNotCostTheImage) {
-  cv::imwrite((root_ / "a.png").string(), cv::Mat(30, 40, CV_8UC1, cv::Scalar(90)));
-  cv::imwrite((root_ / "half.png").string(), cv::Mat(15, 20, CV_16UC1, cv::Scalar(5000)));
-  write("depth.txt", "10.0 half.png\n");
-  const Sequence sequence = read();
-  std::string problem;
-  const LiveInput input = readInput(sequence, sequence.frames[0], {true, true, true}, &problem);
-  EXPECT_EQ(input.views.size(), 1u);
-  EXPECT_TRUE(input.depths.empty());
-  EXPECT_NE(problem.find("half.png"), std::string::npos);
-}
-
 TEST_F(SequenceTest, AnyColourThatIsNotZeroIsMasked) {
   const std::string file = (root_ / "mask.png").string();
   const cv::Point there(7, 5);
-  const auto check = [&](cv::Mat mask, const char* what) {
+  const auto check = [&](const cv::Mat& mask, const char* what) {
     cv::imwrite(file, mask);
     const cv::Mat read = readMask(file, camera_);
     ASSERT_EQ(read.type(), CV_8UC1) << what;

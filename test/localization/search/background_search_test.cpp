@@ -39,7 +39,7 @@ class ToAndFro {
     input.time = time_;
     input.odometry = frame().odometry;
     input.up = UpReading{frame().truth->linear().transpose() * Eigen::Vector3d::UnitZ(), kDegree};
-    input.views.push_back({camera_, frame().color, frame().mask, Pose::Identity(), "image"});
+    input.images.push_back({camera_, frame().color, frame().mask, Pose::Identity(), "image"});
     return input;
   }
 
@@ -123,14 +123,14 @@ class BackgroundSearchAlone : public BackgroundSearchTest {
 
   SearchReport offer() {
     const LiveInput input = flight_.next();
-    const LiveInput::View& view = input.views.front();
+    const LiveInput::CameraImage& view = input.images.front();
     CameraView seen;
     seen.image = map_->prepare(view.camera, view.image, view.mask, view.origin);
     return search_.process({seen}, input.up);
   }
   SearchReport awaitNews() {
     for (int i = 0; i < 3000; ++i) {
-      const SearchReport report = offer();
+      SearchReport report = offer();
       if (report.keyframe) return report;
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }

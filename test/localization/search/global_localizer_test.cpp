@@ -9,10 +9,8 @@
 #include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/localization/search/global_localizer.h"
-#include "edge_mcl/localization/search/small_image.h"
 #include "edge_mcl/localization/tracking/live_localizer.h"
 #include "edge_mcl/sim/simulator.h"
-#include "edge_mcl/sim/trial_flight.h"
 #include "support/search_setup.h"
 
 namespace edge_mcl {
@@ -36,12 +34,12 @@ LiveInput inputOf(const RecordedFrame& frame, const CameraModel& camera, RandomS
   input.time = frame.time;
   input.odometry = frame.odometry;
   input.up = upOf(*frame.truth, random);
-  LiveInput::View view;
+  LiveInput::CameraImage view;
   view.camera = camera;
   view.image = frame.color;
   view.mask = frame.mask;
   view.origin = "image";
-  input.views = {view};
+  input.images = {view};
   return input;
 }
 
@@ -58,30 +56,6 @@ PoseGaussian badGuess(const Pose& truth, RandomSource* random) {
 }
 
 bool isRight(const Pose& pose, const Pose& truth) { return isNear(pose, truth, 0.25, 5 * kDegree); }
-
-/// The truth is the projection into the full image.
-TEST(SmallImage, PixelsAreThoseOfTheFullImage) {
-  const Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
-  Simulator simulator(scenario);
-  RecordedFrame frame;
-  simulator.next(&frame);
-  const LocalizationMap map(scenario.model_file, {});
-  const auto full = map.prepare(scenario.camera, frame.color, frame.mask, "image");
-  const SmallImages images(map.params(), 160, map.edges().sample_step, 1);
-  const auto small = images.make(*full);
-  ASSERT_EQ(small->camera.width, 160);
-  ASSERT_EQ(small->camera.height, 120);
-  // The centre of the top-left pixel is (0, 0). So the centre of a block of 2 x 2 pixels is (0.5,
-  // 0.5).
-  for (const Eigen::Vector3d& p :
-       {Eigen::Vector3d(0.1, -0.2, 1), Eigen::Vector3d(-0.4, 0.3, 1.2)}) {
-    Eigen::Vector2d a, b;
-    ASSERT_TRUE(scenario.camera.project(p, &a) && small->camera.project(p, &b));
-    EXPECT_NEAR(b.x(), (a.x() + 0.5) / 2 - 0.5, 1e-9);
-    EXPECT_NEAR(b.y(), (a.y() + 0.5) / 2 - 0.5, 1e-9);
-  }
-  EXPECT_GT(small->edges.edgeCount(), 200u);
-}
 
 /// The truth is the pose of the simulator. After the search every pose must be right.
 TEST(Search, FindsTheCameraInTheOfficeAndTracksIt) {
@@ -109,33 +83,6 @@ TEST(Search, FindsTheCameraInTheOfficeAndTracksIt) {
   EXPECT_EQ(right, after);
   EXPECT_GT(after, 20) << "of 61 images";
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
-}
-
-/// A pose that looks like the right one is often a bay away. The bays of the hall are 3.6 m long,
-/// and the search does not know this length.
-TEST(Search, FindsTheRightBayFromTheOneBesideIt) {
-  const std::string scenario = std::string(EDGE_MCL_MAPS) + "/hall_flight.yaml";
-  const LocalizationMap map(Scenario::fromYamlFile(scenario).model_file, {});
-  const PoseSearch search(map);
-  constexpr int kFlights = 20;
-  int found = 0;
-  for (int seed = 1; seed <= kFlights; ++seed) {
-    TrialFlight flight(scenario, TrialKind::kTrack, static_cast<uint64_t>(seed), 10, 2, 1, 1, 0);
-    RecordedFrame frame;
-    ASSERT_TRUE(flight.next(&frame));
-    const auto image = map.prepare(flight.camera(), frame.color, frame.mask, "image");
-    const SearchViews seen = search.prepare({{image, Pose::Identity(), 1, nullptr}});
-    Pose wrong = *frame.truth;
-    wrong.pretranslate(Eigen::Vector3d(wrong.translation().x() < 10 ? 3.6 : -3.6, 0, 0));
-    const std::vector<Pose> alike = search.alike(seen, wrong);
-    found += std::any_of(alike.begin(), alike.end(), [&](const Pose& pose) {
-      return isNear(pose, *frame.truth, 0.2, 1 * kDegree);
-    });
-  }
-  // One of the 20 flights misses the right bay. The required number leaves room for other random
-  // flights.
-  std::printf("found from the bay beside it: %d of %d\n", found, kFlights);
-  EXPECT_GE(found, 17) << "of " << kFlights;
 }
 
 /// When search and filter come to the same pose in different ways, the pose is trusted after three

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "edge_mcl/core/base/error.h"
-#include "edge_mcl/localization/map_factory.h"
 #include "support/scenes.h"
 #include "support/search_setup.h"
 
@@ -45,11 +43,11 @@ class LiveLocalizerTest : public testing::Test {
     LiveInput input;
     input.time = time;
     input.odometry = odometry;
-    LiveInput::View view;
+    LiveInput::CameraImage view;
     view.camera = camera_;
     view.image = image;
     view.origin = "image";
-    input.views = {view};
+    input.images = {view};
     return input;
   }
 };
@@ -225,48 +223,6 @@ TEST_F(LiveLocalizerTest, APreparedImageIsItsOwn) {
   const auto image = map.prepare(camera_, wrapped, {}, "image");
   buffer.setTo(0);
   EXPECT_EQ(cv::norm(image->edges.grey, before, cv::NORM_INF), 0);
-}
-
-/// The camera moves 0.25 m during a gap of 10 s, so its velocity is 2.5 cm/s.
-TEST_F(LiveLocalizerTest, OverAGapTheVelocityIsThatOfAllItsTime) {
-  const LocalizationMap map(test::furnishedRooms(), alone());
-  FilterParameters params = map.params().filter;
-  PoseFilter filter(params, map.params().refinement);
-  filter.initialize(kView, 0.02, 0.01);
-  const Pose moved = kView * expSe3((Twist() << 0.25, 0, 0, 0, 0, 0).finished());
-  const auto viewOf = [&](const Pose& pose) {
-    const cv::Mat image = test::render(test::furnishedRooms(), camera_, pose, 1);
-    return CameraView{map.prepare(camera_, image, {}, "image"), Pose::Identity(), 1, nullptr};
-  };
-  filter.predictWithoutOdometry(0.1);
-  filter.update(map, {viewOf(kView)});
-  filter.predictWithoutOdometry(1, 10);  // the gap lasts 10 s, the filter predicts at most 1 s
-  for (int i = 0; i < 2; ++i) filter.update(map, {viewOf(moved)});
-  ASSERT_LT((filter.estimate().mean.translation() - moved.translation()).norm(), 0.03);
-  filter.predictWithoutOdometry(1);
-  // At 2.5 cm/s the pose moves on by 2.5 cm. With the motion divided by 1 s it would move by 25 cm.
-  EXPECT_LT((filter.estimate().mean.translation() - moved.translation()).norm(), 0.1);
-}
-
-/// With `auto` the CPU is used instead of a busy device. With `cuda` a busy device is an error.
-TEST(BackendChoice, ADeviceThatCannotBeHadIsNoReasonToStop) {
-  const DeviceFactory busy = [](const auto&) -> std::unique_ptr<LikelihoodBackend> {
-    throw Error("all CUDA-capable devices are busy");
-  };
-  Parameters params;
-  params.likelihood.backend = BackendChoice::kAuto;
-  LocalizationMap map(test::furnishedRooms(), params);
-  const std::string before = map.backend().name();
-  chooseBackend(&map, busy);
-  EXPECT_EQ(map.backend().name(), before);
-  params.likelihood.backend = BackendChoice::kCuda;
-  LocalizationMap wanted(test::furnishedRooms(), params);
-  try {
-    chooseBackend(&wanted, busy);
-    FAIL() << "no error";
-  } catch (const ParameterError& e) {
-    EXPECT_NE(std::string(e.what()).find("busy"), std::string::npos);
-  }
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ Flown fly(bool lift_mask) {
     input.odometry = frame.odometry;
     cv::Mat mask = frame.mask.clone();
     mask.colRange(mask.cols / 2, mask.cols) = 255;
-    input.views.push_back({scenario.camera, frame.color, mask, Pose::Identity(), "image"});
+    input.images.push_back({scenario.camera, frame.color, mask, Pose::Identity(), "image"});
     flown.before.push_back(localizer.state());
     const LiveResult result = localizer.process(input);
     flown.ignored.push_back(cv::countNonZero(result.images.at(0)->edges.ignore));
@@ -87,7 +87,7 @@ class TrackedFlight {
     input.time = frame.time;
     input.odometry = frame.odometry;
     const cv::Mat mask(frame.color.size(), CV_8UC1, cv::Scalar(0));
-    input.views = {{scenario_.camera, frame.color, mask, Pose::Identity(), "front"}};
+    input.images = {{scenario_.camera, frame.color, mask, Pose::Identity(), "front"}};
     return input;
   }
 
@@ -109,7 +109,7 @@ TEST(MaskLifting, BeginsAnewInAnotherMap) {
   for (int i = 0; i < 10; ++i) {
     if (i == 8) flight.localizer.setMap(flight.map);
     const LiveInput input = flight.next();
-    cv::Mat mask = input.views[0].mask;
+    cv::Mat mask = input.images[0].mask;
     mask.colRange(mask.cols / 2, mask.cols) = 255;
     const LiveResult result = flight.localizer.process(input);
     const cv::Mat whole = ignoredPixels(mask, mask.size(), flight.map->params().image, "image");
@@ -127,7 +127,7 @@ TEST(MaskLifting, LeavesABadImageToBeReported) {
   for (int i = 0; i < 6; ++i) flight.localizer.process(flight.next());
   ASSERT_EQ(flight.localizer.state(), LocalizerState::kTracking);
   LiveInput input = flight.next();
-  LiveInput::View& view = input.views[0];
+  LiveInput::CameraImage& view = input.images[0];
   view.image = cv::Mat(view.image.size(), CV_32FC2, cv::Scalar(0));
   view.mask.colRange(0, 100) = 255;
   EXPECT_NE(flight.localizer.process(input).problem.find("front"), std::string::npos);

@@ -23,7 +23,7 @@ class Followed : public testing::Test {
   bool image(double x, bool confirmed = true, double lines = 20, double ratio = 0.9) {
     proof_.move(Pose::Identity(), odometryNoise(Parameters().filter, Pose::Identity(), 0.1));
     time_ += 0.1;
-    return proof_.weigh({time_, true, confirmed, ratio, lines}, at(x));
+    return proof_.add({time_, true, confirmed, ratio, lines}, at(x));
   }
   /// Adds images until the pose is trusted, at most 100. @return their number
   int imagesUntilTrusted(double x, double lines = 20, double ratio = 0.9) {
@@ -124,7 +124,7 @@ TEST_F(Followed, APoseThatSlidesAgainstOdometryIsNotTrustedForLong) {
     time_ += 0.1;
     pose.mean.translation().x() = 0.08 * i;
     pose.covariance(0, 0) = 0.04;
-    trusted += proof_.weigh({time_, true, true, 0.9, 20}, pose) ? 1 : 0;
+    trusted += proof_.add({time_, true, true, 0.9, 20}, pose) ? 1 : 0;
   }
   // The first pose has a standard deviation of 1 cm, the tolerance is 5 cm, and odometry adds 1 cm
   // per image. So the limit of 40 of chi-square is exceeded at 0.35 m, by the fifth step.

@@ -37,11 +37,11 @@ class SimulatedInput : public RecordedInput {
     *input = {};
     input->time = spacing_ * static_cast<double>(taken_++);
     input->odometry = frame.odometry;
-    LiveInput::View view;
+    LiveInput::CameraImage view;
     view.camera = scenario_.camera;
     view.image = frame.color;
     view.mask = frame.mask;
-    input->views.push_back(view);
+    input->images.push_back(view);
     truth_.push_back({input->time, "", *frame.truth});
     return true;
   }

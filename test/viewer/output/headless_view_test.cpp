@@ -31,7 +31,7 @@ class HeadlessPicture : public testing::Test {
       history.add(before);
     }
     history.add(moment);
-    const cv::Mat picture = view.draw(moment, history.view(history.size(), params_.strip_seconds));
+    cv::Mat picture = view.draw(moment, history.view(history.size(), params_.strip_seconds));
     camera_ = view.space().camera();
     return picture;
   }
@@ -126,7 +126,7 @@ TEST_F(HeadlessPicture, TheCameraIsWhereItIsInSpace) {
   std::set<int> colors;
   for (int y = 0; y < space.rows; y += 4)
     for (int x = 0; x < space.cols; x += 4) {
-      const cv::Vec3b p = space.at<cv::Vec3b>(y, x);
+      const cv::Vec3b& p = space.at<cv::Vec3b>(y, x);
       colors.insert(p[0] << 16 | p[1] << 8 | p[2]);
     }
   EXPECT_GT(colors.size(), 20u) << "a model is more than its background";
@@ -153,7 +153,8 @@ TEST_F(HeadlessPicture, StateAndMaskAreShown) {
   const cv::Point inside(object.x + object.width / 2, object.y + object.height / 2);
   const cv::Point outside(object.x / 2, object.y / 2 + 20);
   const auto change = [&](cv::Point at) {
-    const cv::Vec3b a = shown(at), b = plain.at<cv::Vec3b>(at);
+    const cv::Vec3b a = shown(at);
+    const cv::Vec3b& b = plain.at<cv::Vec3b>(at);
     return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
   };
   EXPECT_GT(change(inside), 40);
