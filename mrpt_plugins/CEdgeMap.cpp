@@ -212,6 +212,7 @@ void CEdgeMap::saveMetricMapRepresentationToFile(const std::string& prefix) cons
   out << "# feature lines of " << model_file_ << "\n";
   size_t index = 1;
   for (const EdgeLine& line : localization().edges().lines) {
+    if (line.kind == EdgeKind::kContour) continue;  // it depends on the viewpoint
     out << "v " << line.start.transpose() << "\nv " << line.end.transpose() << "\nl " << index
         << " " << index + 1 << "\n";
     index += 2;

@@ -337,9 +337,8 @@ TEST(EdgeMap, ItsLinesAreSavedAsAModel) {
                                 [&] { map.saveMetricMapRepresentationToFile("/nowhere/map"); });
 }
 
-/// The header promises the feature lines. A column has contours, which are no feature lines. The
-/// test is disabled because the function also writes the contours.
-TEST(EdgeMap, DISABLED_ContoursAreNotSaved) {
+/// The header promises the feature lines. A column has contours, which are no feature lines.
+TEST(EdgeMap, ContoursAreNotSaved) {
   const std::string file = testing::TempDir() + "column.obj";
   const MeshModel mesh = test::column(24, 0.5f, 2);
   std::ofstream out(file);
