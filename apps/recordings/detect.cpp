@@ -154,7 +154,7 @@ void print(const nlohmann::json& summary, const nlohmann::json& found, bool sing
                 summary["mask_iou_mean"].get<double>());
 }
 
-int run(const DetectOptions& o) {
+DetectorParameters parametersOf(const DetectOptions& o) {
   DetectorParameters parameters;
   for (const std::string& assignment : o.assignments) {
     const auto equals = assignment.find('=');
@@ -163,6 +163,54 @@ int run(const DetectOptions& o) {
     parameters.set(assignment.substr(0, equals), assignment.substr(equals + 1));
   }
   parameters.validate();
+  return parameters;
+}
+
+/// Opens the list of masks. @throws InputError
+std::ofstream openList(const DetectOptions& o, const std::string& model) {
+  makeDirectory(o.out + "/mask");
+  std::ofstream list(listOf(o));
+  list << "# masks by edge-mcl detect, model " << model << ": timestamp filename" << std::endl;
+  if (!list) throw InputError(listOf(o) + ": cannot be written");
+  return list;
+}
+
+nlohmann::json jsonOf(const InputImage& input, const Detections& objects,
+                      const std::vector<std::string>& classes) {
+  nlohmann::json entry{{"image", input.name}, {"objects", nlohmann::json::array()}};
+  for (const Detection& d : objects)
+    entry["objects"].push_back({{"class", classes[static_cast<size_t>(d.class_id)]},
+                                {"score", d.score},
+                                {"track", d.track_id},
+                                {"box", {d.box.x, d.box.y, d.box.width, d.box.height}}});
+  return entry;
+}
+
+/// Figures of all images, for the summary.
+struct DetectFigures {
+  std::vector<double> network_ms, tracking_ms;
+  std::vector<double> overlaps;  ///< intersection over union with the masks of the sequence
+  std::vector<double> covered;   ///< masked share of the image
+  size_t images = 0, unusable = 0;
+};
+
+nlohmann::json summaryOf(const DetectFigures& figures, const std::string& model) {
+  const ErrorSummary network = summarize(figures.network_ms);
+  nlohmann::json summary{{"model", model},
+                         {"images", figures.images},
+                         {"unusable_images", figures.unusable},
+                         {"network_runs", figures.network_ms.size()},
+                         {"network_ms_median", network.median},
+                         {"network_ms_p90", network.p90},
+                         {"covered_median", summarize(figures.covered).median}};
+  if (!figures.tracking_ms.empty())
+    summary["tracking_ms_median"] = summarize(figures.tracking_ms).median;
+  if (!figures.overlaps.empty()) summary["mask_iou_mean"] = summarize(figures.overlaps).mean;
+  return summary;
+}
+
+int run(const DetectOptions& o) {
+  const DetectorParameters parameters = parametersOf(o);
   std::optional<CameraModel> camera;
   const std::vector<InputImage> images = imagesOf(o, &camera);
   const bool is_sequence = camera.has_value();
@@ -175,17 +223,11 @@ int run(const DetectOptions& o) {
   MaskDetector detector(model, parameters);
   if (!o.overlay.empty()) makeDirectory(o.overlay);
   std::ofstream list;
-  if (!o.out.empty()) {
-    makeDirectory(o.out + "/mask");
-    list.open(listOf(o));
-    list << "# masks by edge-mcl detect, model " << model.name << ": timestamp filename"
-         << std::endl;
-    if (!list) throw InputError(listOf(o) + ": cannot be written");
-  }
+  if (!o.out.empty()) list = openList(o, model.name);
   RecordedFlightMasks flight(&detector, parameters, o.rate, o.delay);
-  std::vector<double> network_ms, tracking_ms, overlaps, covered;
+  DetectFigures figures;
+  figures.images = images.size();
   nlohmann::json found = nlohmann::json::array();
-  size_t unusable = 0;
   ProgressBar bar(model.name, images.size());
   for (const InputImage& input : images) {
     bar.advance();
@@ -197,7 +239,7 @@ int run(const DetectOptions& o) {
     } catch (const InputError& e) {
       if (images.size() == 1) throw;
       bar.note(std::string("warning: ") + e.what());
-      ++unusable;
+      ++figures.unusable;
       if (image.empty()) continue;
     }
     Detections objects;
@@ -205,23 +247,17 @@ int run(const DetectOptions& o) {
       flight.next(image, input.time);
       objects = flight.tracker().objects();
       mask = flight.tracker().mask();
-      tracking_ms.push_back(flight.trackingMs());
-      if (flight.networkMs() > 0) network_ms.push_back(flight.networkMs());
+      figures.tracking_ms.push_back(flight.trackingMs());
+      if (flight.networkMs() > 0) figures.network_ms.push_back(flight.networkMs());
     } else {
       objects = detector.detect(image);
       mask = combinedMask(objects, image.size(), cvRound(parameters.dilation * image.cols / 320.0));
-      network_ms.push_back(detector.times().total());
+      figures.network_ms.push_back(detector.times().total());
     }
-    covered.push_back(static_cast<double>(cv::countNonZero(mask)) /
-                      static_cast<double>(mask.total()));
-    if (!truth.empty()) overlaps.push_back(maskOverlap(mask, truth));
-    nlohmann::json entry{{"image", input.name}, {"objects", nlohmann::json::array()}};
-    for (const Detection& d : objects)
-      entry["objects"].push_back({{"class", model.classes[static_cast<size_t>(d.class_id)]},
-                                  {"score", d.score},
-                                  {"track", d.track_id},
-                                  {"box", {d.box.x, d.box.y, d.box.width, d.box.height}}});
-    found.push_back(std::move(entry));
+    figures.covered.push_back(static_cast<double>(cv::countNonZero(mask)) /
+                              static_cast<double>(mask.total()));
+    if (!truth.empty()) figures.overlaps.push_back(maskOverlap(mask, truth));
+    found.push_back(jsonOf(input, objects, model.classes));
     if (list.is_open()) {
       writePicture(o.out + "/" + maskOf(input), mask);
       list << input.name << ' ' << maskOf(input) << std::endl;
@@ -230,26 +266,13 @@ int run(const DetectOptions& o) {
     if (!o.overlay.empty())
       writePicture(overlayOf(o, input), drawDetections(image, objects, model.classes));
   }
-  const ErrorSummary network = summarize(network_ms);
-  nlohmann::json summary{{"model", model.name},
-                         {"images", images.size()},
-                         {"unusable_images", unusable},
-                         {"network_runs", network_ms.size()},
-                         {"network_ms_median", network.median},
-                         {"network_ms_p90", network.p90},
-                         {"covered_median", summarize(covered).median}};
-  if (!tracking_ms.empty()) summary["tracking_ms_median"] = summarize(tracking_ms).median;
-  if (!overlaps.empty()) {
-    double sum = 0;
-    for (const double v : overlaps) sum += v;
-    summary["mask_iou_mean"] = sum / static_cast<double>(overlaps.size());
-  }
+  const nlohmann::json summary = summaryOf(figures, model.name);
   if (o.json) {
     std::printf("%s\n", textOf({{"summary", summary}, {"images", found}}).c_str());
   } else {
     print(summary, found, !is_sequence);
   }
-  return unusable > 0 ? kExitIncomplete : kExitOk;
+  return figures.unusable > 0 ? kExitIncomplete : kExitOk;
 }
 
 }  // namespace

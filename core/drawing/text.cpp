@@ -12,7 +12,8 @@ namespace edge_mcl {
 
 namespace {
 
-/// The stroke font has a height of 22 pixels at scale 1, of which fonts count some 30.
+/// At scale 1 the capital letters of the stroke font are 22 pixels high. Those of DejaVu have that
+/// height at a font height of 30 pixels.
 constexpr double kStrokeScale = 1 / 30.0;
 constexpr int kStrokeFont = cv::FONT_HERSHEY_SIMPLEX;
 
