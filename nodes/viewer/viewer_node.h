@@ -147,7 +147,6 @@ class LiveView : public ViewSource {
   std::optional<ros::Time> first_, last_;
   ViewMoment last_moment_;
   ViewHistory history_;
-  std::string problem_;  // fault of the last broken message
   std::vector<ros::Subscriber> subscribers_;
   std::vector<image_transport::Subscriber> image_subscribers_;
 };
