@@ -77,7 +77,7 @@ class Tidy:
     def check(self, number, members):
         started = time.monotonic()
         status, text = self.run('group%d' % number, members)
-        if len(members) > 1 and 'clang-diagnostic-error' in text:
+        if len(members) > 1 and 'clang-diagnostic-' in text:  # errors, or shadowed names
             results = [self.run('group%d-%d' % (number, k), [m]) for k, m in enumerate(members)]
             status = max(s for s, _ in results)
             text = ''.join(t for s, t in results if s)
