@@ -16,7 +16,7 @@ namespace edge_mcl::test {
 
 /// Writes the furnished rooms to a file. @return its name
 inline std::string roomFile() {
-  const std::string file = testing::TempDir() + "rooms.obj";
+  std::string file = testing::TempDir() + "rooms.obj";
   const MeshModel mesh = furnishedRooms();
   std::ofstream out(file);
   for (const auto& v : mesh.vertices) out << "v " << v.transpose() << "\n";
