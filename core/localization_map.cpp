@@ -6,6 +6,7 @@
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/image/edge_field.h"
+#include "edge_mcl/core/image/pixel_scale.h"
 
 namespace edge_mcl {
 
@@ -30,7 +31,6 @@ void LocalizationMap::build(const std::string& model_file) {
   edges_ = std::make_unique<EdgeModel>(buildEdgeModel(mesh_.get(), params_.map));
   visibility_ = std::make_shared<Visibility>(*mesh_, *edges_, params_.visibility);
   backend_ = std::make_unique<CpuBackend>(visibility_);
-  levels_ = std::make_shared<const ScoreLevels>(params_.image, params_.likelihood);
   refiner_ = std::make_unique<PoseRefiner>(params_.refinement, params_.likelihood, params_.image);
   if (params_.likelihood.cues == Cues::kEdges) return;
   DistanceField::Options options;
@@ -50,6 +50,15 @@ std::shared_ptr<const DepthPoints> LocalizationMap::prepareDepth(const DepthImag
   return std::make_shared<DepthPoints>(makeDepthPoints(image, params_.depth));
 }
 
+std::shared_ptr<const ScoreLevels> LocalizationMap::levelsFor(double pixel_scale) const {
+  const std::lock_guard<std::mutex> lock(levels_->mutex);
+  std::shared_ptr<const ScoreLevels>& levels = levels_->of_scale[pixel_scale];
+  if (!levels)
+    levels = std::make_shared<const ScoreLevels>(scaledBy(pixel_scale, params_.image),
+                                                 scaledBy(pixel_scale, params_.likelihood));
+  return levels;
+}
+
 std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel& camera,
                                                               const cv::Mat& image,
                                                               const cv::Mat& mask,
@@ -63,28 +72,32 @@ std::shared_ptr<const PreparedImage> LocalizationMap::prepare(const CameraModel&
                      std::to_string(image.rows) + " pixels, camera_info says " +
                      std::to_string(camera.width) + "x" + std::to_string(camera.height));
   ScoreTable::checkSize(image.cols, image.rows, params_.image.orientation_bins);
+  const double scale = pixelScale(params_.image, image.size());
+  const ImageParameters of_image = scaledBy(scale, params_.image);
+  const std::shared_ptr<const ScoreLevels> levels = levelsFor(scale);
   auto prepared = std::make_shared<PreparedImage>();
+  prepared->pixel_scale = scale;
   const auto t0 = Clock::now();
   cv::Mat grey = toGrey(image, origin);
   // The image is copied, because it is kept and may be read by another thread after the caller has
   // reused or freed its memory.
   if (grey.data == image.data) grey = grey.clone();
-  const cv::Mat ignore = ignoredPixels(mask, grey.size(), params_.image, origin);
+  const cv::Mat ignore = ignoredPixels(mask, grey.size(), of_image, origin);
   LikelihoodFrame& frame =
-      prepared->frame = {camera, nullptr, params_.likelihood, edges_->sample_step};
-  const bool elsewhere = backend_->makesTables(params_.image);
+      prepared->frame = {camera, nullptr, scaledBy(scale, params_.likelihood), edges_->sample_step};
+  const bool elsewhere = backend_->makesTables(of_image);
   if (elsewhere) {
-    frame.picture = std::make_shared<Picture>(grey, ignore, params_.image, levels_);
+    frame.picture = std::make_shared<Picture>(grey, ignore, of_image, levels);
     backend_->prefetch(frame);
   }
-  prepared->edges = findEdgesOf(grey, ignore, params_.image);
+  prepared->edges = findEdgesOf(grey, ignore, of_image);
   prepared->pixels = EdgePixels(prepared->edges);
   const auto t1 = Clock::now();
   auto t2 = t1, t3 = t1;
   if (!elsewhere) {
-    const EdgeField field(prepared->edges, prepared->pixels, params_.image);
+    const EdgeField field(prepared->edges, prepared->pixels, of_image);
     t2 = Clock::now();
-    frame.table = std::make_shared<ScoreTable>(field, *levels_);
+    frame.table = std::make_shared<ScoreTable>(field, *levels);
     t3 = Clock::now();
   }
   prepared->times = {milliseconds(t0, t1), milliseconds(t1, t2), milliseconds(t2, t3)};
@@ -171,6 +184,11 @@ RefinementResult LocalizationMap::refineRoughly(const std::vector<CameraView>& v
 RefinementResult LocalizationMap::refine(const std::vector<CameraView>& views, const Pose& start,
                                          const std::optional<PoseGaussian>& prior,
                                          const RefinementEffort& effort) const {
+  return refiner_->refine(refinementViews(views, start), start, prior, effort);
+}
+
+std::vector<RefinementView> LocalizationMap::refinementViews(const std::vector<CameraView>& views,
+                                                             const Pose& pose) const {
   std::vector<RefinementView> refinement_views;
   for (const CameraView& view : views) {
     RefinementView refined;
@@ -180,12 +198,13 @@ RefinementResult LocalizationMap::refine(const std::vector<CameraView>& views, c
       refined.camera = &view.image->frame.camera;
       refined.image = &view.image->edges;
       refined.pixels = &view.image->pixels;
+      refined.pixel_scale = view.image->pixel_scale;
       refined.visible =
-          visibility_->cached(visibility_->cellOf((start * view.T_base_camera).translation()));
+          visibility_->cached(visibility_->cellOf((pose * view.T_base_camera).translation()));
     }
     refinement_views.push_back(std::move(refined));
   }
-  return refiner_->refine(refinement_views, start, prior, effort);
+  return refinement_views;
 }
 
 }  // namespace edge_mcl

@@ -2,6 +2,7 @@
 /// entry point of core/.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -34,6 +35,7 @@ struct PreparedImage {
   EdgePixels pixels;  ///< edge pixels of `edges`
   LikelihoodFrame frame;
   StageTimes times;
+  double pixel_scale = 1;  ///< see pixelScale()
 };
 
 /// Data of one camera at one moment, and the pose of the camera on the robot. Image and depth image
@@ -119,9 +121,16 @@ class LocalizationMap {
   RefinementResult match(const std::vector<CameraView>& views, const Pose& pose) const {
     return refine(views, pose, std::nullopt, {1, params_.refinement.max_samples});
   }
+  /// Matches the model with the images at a pose, see PoseRefiner::observe().
+  PoseObservation observe(const std::vector<CameraView>& views, const Pose& pose) const {
+    return refiner_->observe(refinementViews(views, pose), pose);
+  }
 
  private:
   void build(const std::string& model_file);
+  /// @param pose T_map_base, whose visible samples are taken.
+  std::vector<RefinementView> refinementViews(const std::vector<CameraView>& views,
+                                              const Pose& pose) const;
   RefinementResult refine(const std::vector<CameraView>& views, const Pose& start,
                           const std::optional<PoseGaussian>& prior,
                           const RefinementEffort& effort) const;
@@ -131,7 +140,13 @@ class LocalizationMap {
   std::unique_ptr<EdgeModel> edges_;
   std::shared_ptr<Visibility> visibility_;
   std::unique_ptr<LikelihoodBackend> backend_;
-  std::shared_ptr<const ScoreLevels> levels_;
+  /// Score levels of images with this pixel scale. Safe to call from several threads.
+  std::shared_ptr<const ScoreLevels> levelsFor(double pixel_scale) const;
+  struct ScaledLevels {
+    std::mutex mutex;
+    std::map<double, std::shared_ptr<const ScoreLevels>> of_scale;
+  };
+  std::unique_ptr<ScaledLevels> levels_ = std::make_unique<ScaledLevels>();
   std::unique_ptr<PoseRefiner> refiner_;
   std::shared_ptr<const DepthLikelihood> depth_;
   struct LazySearch {

@@ -17,18 +17,6 @@ bool pixelJacobian(const CameraModel& camera, const Eigen::Vector3d& point_camer
   return true;
 }
 
-/// Samples of one camera that a refinement uses. They are chosen once, at the start pose.
-struct PoseRefiner::ChosenSamples {
-  struct Sample {
-    Eigen::Vector3d point, tangent;  // map frame
-    double facing;
-    bool ends_group;
-  };
-  std::vector<Sample> samples;
-  double stride = 1;           ///< every stride-th visible sample is chosen
-  std::vector<size_t> pieces;  ///< borders of the pieces of work, always at ends of lines
-};
-
 PoseRefiner::ChosenSamples PoseRefiner::choose(const RefinementView& view, const Pose& base_pose,
                                                int most) const {
   const VisibleSet& set = *view.visible;
@@ -36,7 +24,7 @@ PoseRefiner::ChosenSamples PoseRefiner::choose(const RefinementView& view, const
   const Pose camera_from_map = (base_pose * view.T_base_camera).inverse();
   // Samples near the image are chosen, too: during the refinement the pose moves by about the
   // search length.
-  const double margin = 2 * refinement_.search_length;
+  const double margin = 2 * view.pixel_scale * refinement_.search_length;
   std::vector<size_t> near;  // segments whose centre is in the image or close to it
   size_t count = 0;
   for (size_t k = 0; k < set.segments.size(); ++k) {
@@ -65,7 +53,7 @@ PoseRefiner::ChosenSamples PoseRefiner::choose(const RefinementView& view, const
       if (!chosen.samples.empty()) chosen.samples.back().ends_group = last_group != line.group;
       last_group = line.group;
       chosen.samples.push_back({set.model->samplePosition(edge, i), line.tangent().cast<double>(),
-                                VisibleSet::facingWeight(segment), true});
+                                VisibleSet::facingWeight(segment), true, line.group});
     }
   }
   constexpr size_t kPiece = 250;
@@ -81,57 +69,93 @@ PoseRefiner::PoseRefiner(RefinementParameters refinement, LikelihoodParameters l
                          ImageParameters image)
     : refinement_(refinement), likelihood_(likelihood), image_(image) {}
 
+/// Values that all samples of one image share in a step.
+struct PoseRefiner::Step {
+  Pose camera_from_map;
+  double search_length, sigma, clutter_density, peak;
+  float tolerance_cos;
+  bool has_prior;
+  Matrix6 camera_covariance;  ///< of the prior, for the camera's pose
+
+  Step(const PoseRefiner& refiner, const RefinementView& view, const Pose& base_pose, double length,
+       double sigma_px, const Matrix6* prior_covariance)
+      : camera_from_map((base_pose * view.T_base_camera).inverse()),
+        search_length(length),
+        sigma(sigma_px),
+        tolerance_cos(
+            static_cast<float>(std::cos(refiner.image_.orientation_tolerance_deg * M_PI / 180))),
+        has_prior(prior_covariance != nullptr),
+        camera_covariance(Matrix6::Zero()) {
+    const double e = refiner.likelihood_.missing_edge;
+    clutter_density = e / (2 * length);
+    peak = (1 - e) / (std::sqrt(2 * M_PI) * sigma);
+    // The camera moves with the base: xi_camera = Ad(T_camera_base) xi_base.
+    const Matrix6 to_base = adjoint(view.T_base_camera.inverse());
+    if (prior_covariance) camera_covariance = to_base * *prior_covariance * to_base.transpose();
+  }
+};
+
+/// A sample in the image, and the image edge that it is matched with.
+struct PoseRefiner::Match {
+  Twist row;  ///< derivative of the offset along the normal by the pose of the camera
+  Eigen::Vector2d pixel, normal;
+  double residual, weight, depth;
+};
+
+PoseRefiner::Outcome PoseRefiner::match(const RefinementView& view,
+                                        const ChosenSamples::Sample& sample, const Step& step,
+                                        Match* match) const {
+  const CameraModel& camera = *view.camera;
+  const EdgeImage& image = *view.image;
+  const Eigen::Vector3d p = step.camera_from_map * sample.point;
+  Eigen::Vector2d& pixel = match->pixel;
+  Eigen::Matrix<double, 2, 3> projection;
+  if (!camera.project(p, &pixel, &projection) || !camera.contains(pixel)) return Outcome::kOutside;
+  // The pixel is in the image, so it is not negative, and this rounds it. std::lround is slower.
+  const auto nearest = [](double v) {
+    return static_cast<int>(v + 0.5);  // NOLINT(bugprone-incorrect-roundings)
+  };
+  if (!image.ignore.empty() && image.ignore.at<uint8_t>(nearest(pixel.y()), nearest(pixel.x())))
+    return Outcome::kOutside;
+  const Eigen::Vector2d direction = projection * (step.camera_from_map.linear() * sample.tangent);
+  if (direction.squaredNorm() < 1e-12) return Outcome::kOutside;
+  match->normal = Eigen::Vector2d(-direction.y(), direction.x()).normalized();
+  // row = normal^T * pixelJacobian()
+  const Eigen::Vector3d along = projection.transpose() * match->normal;
+  match->row << -along, along.cross(p);
+  match->depth = p.z();
+  // The prior limits the distance of the edge along this normal (active search).
+  double length = step.search_length;
+  if (step.has_prior) {
+    const double spread = std::sqrt(match->row.dot(step.camera_covariance * match->row));
+    length = std::min(length, std::max(view.pixel_scale * refinement_.final_search_length / 2,
+                                       3 * spread + 2 * view.pixel_scale));
+  }
+  const EdgePixel* hit = view.pixels->nearestAlong(
+      static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
+      static_cast<float>(match->normal.x()), static_cast<float>(match->normal.y()),
+      static_cast<float>(length), step.tolerance_cos);
+  if (hit == nullptr) return Outcome::kUnmatched;
+  const double sigma = step.sigma;
+  match->residual = match->normal.dot(Eigen::Vector2d(hit->ridge_x, hit->ridge_y) - pixel);
+  const double inlier =
+      step.peak * std::exp(-match->residual * match->residual / (2 * sigma * sigma));
+  match->weight = sample.facing * inlier / (inlier + step.clutter_density) / (sigma * sigma);
+  return Outcome::kMatched;
+}
+
 NormalEquations PoseRefiner::linearize(const RefinementView& view, const ChosenSamples& chosen,
                                        const Pose& base_pose, double search_length, double sigma,
                                        const Matrix6* prior_covariance) const {
-  const CameraModel& camera = *view.camera;
-  const EdgeImage& image = *view.image;
-  const Pose camera_from_map = (base_pose * view.T_base_camera).inverse();
-  // The camera moves with the base: xi_camera = Ad(T_camera_base) xi_base.
-  const Matrix6 to_base = adjoint(view.T_base_camera.inverse());
-  Matrix6 camera_covariance = Matrix6::Zero();
-  if (prior_covariance) camera_covariance = to_base * *prior_covariance * to_base.transpose();
-  const auto tolerance_cos =
-      static_cast<float>(std::cos(image_.orientation_tolerance_deg * M_PI / 180));
-  const double e = likelihood_.missing_edge;
-  const double clutter_density = e / (2 * search_length);
-  const double peak = (1 - e) / (std::sqrt(2 * M_PI) * sigma);
+  const Step step(*this, view, base_pose, search_length, sigma, prior_covariance);
   const auto add = [&](const ChosenSamples::Sample& sample, NormalEquations* line) {
-    const Eigen::Vector3d p = camera_from_map * sample.point;
-    Eigen::Vector2d pixel;
-    Eigen::Matrix<double, 2, 3> projection;
-    if (!camera.project(p, &pixel, &projection) || !camera.contains(pixel)) return;
-    // The pixel is in the image, so it is not negative, and this rounds it. std::lround is slower.
-    const auto nearest = [](double v) {
-      return static_cast<int>(v + 0.5);  // NOLINT(bugprone-incorrect-roundings)
-    };
-    if (!image.ignore.empty() && image.ignore.at<uint8_t>(nearest(pixel.y()), nearest(pixel.x())))
-      return;
-    const Eigen::Vector2d direction = projection * (camera_from_map.linear() * sample.tangent);
-    if (direction.squaredNorm() < 1e-12) return;
-    const Eigen::Vector2d normal = Eigen::Vector2d(-direction.y(), direction.x()).normalized();
-    // row = normal^T * pixelJacobian()
-    const Eigen::Vector3d along = projection.transpose() * normal;
-    Twist row;
-    row << -along, along.cross(p);
-    ++line->used;
-    // The prior limits the distance of the edge along this normal (active search).
-    double length = search_length;
-    if (prior_covariance) {
-      const double spread = std::sqrt(row.dot(camera_covariance * row));
-      length = std::min(length, std::max(refinement_.final_search_length / 2, 3 * spread + 2));
-    }
-    const EdgePixel* hit =
-        view.pixels->nearestAlong(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
-                                  static_cast<float>(normal.x()), static_cast<float>(normal.y()),
-                                  static_cast<float>(length), tolerance_cos);
-    if (hit == nullptr) return;
+    Match m;
+    const Outcome outcome = match(view, sample, step, &m);
+    line->used += outcome != Outcome::kOutside;
+    if (outcome != Outcome::kMatched) return;
     ++line->matched;
-    const double residual = normal.dot(Eigen::Vector2d(hit->ridge_x, hit->ridge_y) - pixel);
-    const double inlier = peak * std::exp(-residual * residual / (2 * sigma * sigma));
-    const double weight = sample.facing * inlier / (inlier + clutter_density) / (sigma * sigma);
-    line->h.noalias() += (weight * row) * row.transpose();
-    line->g += weight * residual * row;
+    line->h.noalias() += (m.weight * m.row) * m.row.transpose();
+    line->g += m.weight * m.residual * m.row;
   };
   const auto addLines = [&](size_t begin, size_t end) {
     NormalEquations sum, line;
@@ -155,6 +179,7 @@ NormalEquations PoseRefiner::linearize(const RefinementView& view, const ChosenS
                     [&](size_t p) { sums[p] = addLines(chosen.pieces[p], chosen.pieces[p + 1]); });
   NormalEquations total;
   for (const NormalEquations& sum : sums) total += sum;
+  const Matrix6 to_base = adjoint(view.T_base_camera.inverse());
   total.h = to_base.transpose() * total.h * to_base;
   total.g = to_base.transpose() * total.g;
   return total;
@@ -172,6 +197,67 @@ NormalEquations PoseRefiner::linearizeDepth(const RefinementView& view, const Po
   n.h = to_base.transpose() * n.h * to_base;
   n.g = to_base.transpose() * n.g;
   return n;
+}
+
+PoseObservation PoseRefiner::observe(const std::vector<RefinementView>& views,
+                                     const Pose& base_pose) const {
+  PoseObservation seen;
+  for (const RefinementView& view : views) {
+    if (view.depth && depth_) seen.depth_information += linearizeDepth(view, base_pose, 1).h;
+    if (!view.camera) continue;
+    const double length = view.pixel_scale * refinement_.final_search_length;
+    const Step step(*this, view, base_pose, length,
+                    std::max(view.pixel_scale * refinement_.sigma, length / 4), nullptr);
+    const Eigen::Vector2d centre(view.camera->cx, view.camera->cy);
+    const Matrix6 from_camera = adjoint(view.T_base_camera.inverse()).transpose();
+    const ChosenSamples chosen = choose(view, base_pose, refinement_.max_samples);
+    CameraObservation camera;
+    std::vector<Match> of_line;
+    int used = 0;
+    for (const ChosenSamples::Sample& sample : chosen.samples) {
+      Match m;
+      const Outcome outcome = match(view, sample, step, &m);
+      used += outcome != Outcome::kOutside;
+      if (outcome == Outcome::kMatched) of_line.push_back(m);
+      if (!sample.ends_group) continue;
+      const double share = chosen.stride / (1 + chosen.stride * used / likelihood_.line_saturation);
+      const size_t middle = of_line.size() / 2;
+      for (const bool second : {false, true}) {
+        PoseObservation::Piece piece;
+        for (size_t i = second ? middle : 0; i < (second ? of_line.size() : middle); ++i)
+          add(of_line[i], share, centre, &camera, &piece);
+        if (!(piece.weight > 0)) continue;
+        piece.key = 2 * sample.group + (second ? 1 : 0);
+        piece.offset /= piece.weight * view.pixel_scale;
+        piece.pull = view.pixel_scale * (from_camera * piece.pull);
+        seen.pieces.push_back(piece);
+      }
+      of_line.clear();
+      used = 0;
+    }
+    camera.pose_information = from_camera * camera.pose_information * from_camera.transpose();
+    camera.pose_gradient = from_camera * camera.pose_gradient;
+    camera.pull = from_camera * camera.pull;
+    seen.information += camera.pose_information;
+    seen.cameras.push_back(camera);
+  }
+  return seen;
+}
+
+void PoseRefiner::add(const Match& m, double share, const Eigen::Vector2d& centre,
+                      CameraObservation* camera, PoseObservation::Piece* piece) {
+  const double weight = share * m.weight;
+  const Eigen::Vector3d by_calibration((m.pixel - centre).dot(m.normal), m.normal.x(),
+                                       m.normal.y());
+  camera->pose_information.noalias() += (weight * m.row) * m.row.transpose();
+  camera->pose_gradient += weight * m.residual * m.row;
+  camera->pull.noalias() += (weight * m.row) * by_calibration.transpose();
+  camera->information.noalias() += (weight * by_calibration) * by_calibration.transpose();
+  camera->gradient += weight * m.residual * by_calibration;
+  piece->pull += weight * m.row;
+  piece->offset += weight * m.residual;
+  piece->weight += weight;
+  piece->samples += share;
 }
 
 RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, const Pose& start,
@@ -196,8 +282,8 @@ RefinementResult PoseRefiner::refine(const std::vector<RefinementView>& views, c
     NormalEquations n;
     for (size_t k = 0; k < views.size(); ++k) {
       if (views[k].camera)
-        n += linearize(views[k], chosen[k], result.pose, length, sigma,
-                       prior ? &prior->covariance : nullptr);
+        n += linearize(views[k], chosen[k], result.pose, views[k].pixel_scale * length,
+                       views[k].pixel_scale * sigma, prior ? &prior->covariance : nullptr);
       if (views[k].depth && depth_) n += linearizeDepth(views[k], result.pose, progress);
     }
     result.matched_samples = n.matched;

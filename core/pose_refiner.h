@@ -19,6 +19,7 @@
 #include "edge_mcl/core/edges/visibility.h"
 #include "edge_mcl/core/image/edge_pixels.h"
 #include "edge_mcl/core/image/image_edges.h"
+#include "edge_mcl/core/pose_observation.h"
 
 namespace edge_mcl {
 
@@ -27,6 +28,7 @@ struct RefinementView {
   const CameraModel* camera = nullptr;  ///< null: no image
   const EdgeImage* image = nullptr;
   const EdgePixels* pixels = nullptr;  ///< edge pixels of `image`
+  double pixel_scale = 1;              ///< factor on all lengths in pixels, see pixelScale()
   /// Samples visible from the camera; needed with an image.
   std::shared_ptr<const VisibleSet> visible;
   Pose T_base_camera = Pose::Identity();  ///< camera pose in the base frame
@@ -68,9 +70,31 @@ class PoseRefiner {
                           const std::optional<PoseGaussian>& prior,
                           const RefinementEffort& effort) const;
 
+  /// Matches the model with the images at a pose, without moving it, as in the last step of a
+  /// refinement without prior.
+  PoseObservation observe(const std::vector<RefinementView>& views, const Pose& base_pose) const;
+
  private:
-  struct ChosenSamples;
+  struct Step;
+  struct Match;
+  enum class Outcome { kOutside, kUnmatched, kMatched };
+  /// Samples of one camera that a refinement uses. They are chosen once, at the start pose.
+  struct ChosenSamples {
+    struct Sample {
+      Eigen::Vector3d point, tangent;  // map frame
+      double facing;
+      bool ends_group;
+      uint32_t group;
+    };
+    std::vector<Sample> samples;
+    double stride = 1;           ///< every stride-th visible sample is chosen
+    std::vector<size_t> pieces;  ///< borders of the pieces of work, always at ends of lines
+  };
   ChosenSamples choose(const RefinementView& view, const Pose& base_pose, int most) const;
+  Outcome match(const RefinementView& view, const ChosenSamples::Sample& sample, const Step& step,
+                Match* match) const;
+  static void add(const Match& match, double share, const Eigen::Vector2d& centre,
+                  CameraObservation* camera, PoseObservation::Piece* piece);
   NormalEquations linearize(const RefinementView& view, const ChosenSamples& chosen,
                             const Pose& base_pose, double search_length, double sigma,
                             const Matrix6* prior_covariance) const;

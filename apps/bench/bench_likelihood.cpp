@@ -12,6 +12,7 @@
 #include "apps/bench/gather_limit.h"
 #include "apps/bench/soak.h"
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/image/pixel_scale.h"
 #include "edge_mcl/core/likelihood/cpu_kernel.h"
 #include "edge_mcl/core/likelihood/reference_likelihood.h"
 #include "edge_mcl/core/recordings/trajectory_evaluation.h"
@@ -83,6 +84,7 @@ void LikelihoodBench::timeCpu() {
   std::vector<double> one, all, plain, image, gathers;
   LikelihoodFrame paper = frame_;
   paper.params.model = LikelihoodModel::kPaper;
+  const ImageParameters flow_params = scaledBy(image_->pixel_scale, map_->params().image);
   const Visibility& visibility = map_->visibility();
   const auto centre_set = visibility.cached(visibility.cellOf(centre_.translation()));
   const std::string& file = sequence_.frames[settings_.image].image_file;
@@ -91,9 +93,8 @@ void LikelihoodBench::timeCpu() {
     if (k < kPlainRepeats)
       plain.push_back(millisecondsOf([&] {
         for (size_t i = 0; i < plainCount(); ++i)
-          checksum_ +=
-              paperFlowScore(paper, image_->edges, map_->params().image, visibility, poses_[i])
-                  .log_likelihood;
+          checksum_ += paperFlowScore(paper, image_->edges, flow_params, visibility, poses_[i])
+                           .log_likelihood;
       }));
     withOneThread([&] {
       one.push_back(millisecondsOf([&] { cpu_.evaluate(frame_, poses_); }));

@@ -77,6 +77,7 @@ struct ImageParameters {
   double orientation_tolerance_deg = 20;
   int search_length = 24;
   int clutter_window = 88;
+  int reference_width = 640;
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -101,6 +102,9 @@ struct ImageParameters {
       "length of the normals; an image edge farther away counts as no edge");
     v("clutter_window", clutter_window, "px", from(16, 2000),
       "robust model: side of the window in which the density of image edges is measured");
+    v("reference_width", reference_width, "px", from(0, 100000),
+      "all lengths in pixels (groups image, likelihood, refinement) hold for 4:3 images of this "
+      "width and are scaled for images of another size; 0 = they hold for every image");
   }
 };
 

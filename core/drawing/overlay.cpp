@@ -7,6 +7,7 @@
 #include "edge_mcl/core/drawing/chart.h"
 #include "edge_mcl/core/drawing/text.h"
 #include "edge_mcl/core/image/edge_field.h"
+#include "edge_mcl/core/image/pixel_scale.h"
 
 namespace edge_mcl {
 
@@ -63,7 +64,7 @@ cv::Mat drawOverlay(const LocalizationMap& map, const PreparedImage& image, cons
   const CameraModel& camera = image.frame.camera;
   const VisibleSet set = map.visibility().exact(camera_pose.translation());
   const Pose camera_from_map = camera_pose.inverse();
-  const ImageParameters& params = map.params().image;
+  const ImageParameters params = scaledBy(image.pixel_scale, map.params().image);
   const double tolerance = std::cos(params.orientation_tolerance_deg * M_PI / 180);
   const float half_step = static_cast<float>(map.edges().sample_step) / 2;
   int counter = 0;

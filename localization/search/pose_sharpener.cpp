@@ -57,6 +57,7 @@ std::vector<RefinementView> PoseSharpener::viewsFrom(const SearchViews& seen,
       r.camera = &view.image->frame.camera;
       r.image = &view.image->edges;
       r.pixels = &view.image->pixels;
+      r.pixel_scale = view.image->pixel_scale;
       r.visible = visibleFrom(base, view);
     }
     refined.push_back(std::move(r));

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/image/pixel_scale.h"
 #include "support/error_text.h"
 #include "support/map_views.h"
 #include "support/room_view.h"
@@ -148,7 +149,9 @@ TEST_F(LocalizationMapOfRooms, APreparedImageHasEdgesAndTable) {
   cv::Mat colour;
   cv::cvtColor(roomPicture(), colour, cv::COLOR_GRAY2BGR);
   const auto image = map_.prepare(test::roomCamera(), colour, mask, "room");
-  const EdgeImage expected = findEdges(colour, mask, map_.params().image, "room");
+  const double scale = pixelScale(map_.params().image, colour.size());
+  const EdgeImage expected = findEdges(colour, mask, scaledBy(scale, map_.params().image), "room");
+  EXPECT_EQ(image->pixel_scale, scale);
   EXPECT_EQ(cv::norm(image->edges.edges, expected.edges, cv::NORM_INF), 0);
   EXPECT_EQ(image->pixels.list().size(), expected.edgeCount());
   ASSERT_NE(image->frame.table, nullptr);

@@ -7,6 +7,7 @@
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/drawing/overlay.h"
+#include "edge_mcl/core/image/pixel_scale.h"
 #include "edge_mcl/viewer/drawing/panel_text.h"
 #include "edge_mcl/viewer/drawing/view_colors.h"
 
@@ -97,7 +98,9 @@ cv::Mat drawEdgePanel(const ViewMoment& m, const LocalizationMap* map, const Vie
     if (!prepared) {
       // The panel draws only edges, so distances and scores are not computed.
       auto edges_only = std::make_shared<PreparedImage>();
-      edges_only->edges = findEdges(m.image, m.mask, map->params().image, "image");
+      edges_only->edges = findEdges(
+          m.image, m.mask,
+          scaledBy(pixelScale(map->params().image, m.image.size()), map->params().image), "image");
       edges_only->frame.camera = m.camera;
       prepared = edges_only;
     }

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "edge_mcl/core/image/pixel_scale.h"
 #include "edge_mcl/localization/tracking/live_localizer.h"
 #include "edge_mcl/sim/scenario.h"
 #include "edge_mcl/sim/simulator.h"
@@ -112,7 +113,9 @@ TEST(MaskLifting, BeginsAnewInAnotherMap) {
     cv::Mat mask = input.images[0].mask;
     mask.colRange(mask.cols / 2, mask.cols) = 255;
     const LiveResult result = flight.localizer.process(input);
-    const cv::Mat whole = ignoredPixels(mask, mask.size(), flight.map->params().image, "image");
+    const ImageParameters& params = flight.map->params().image;
+    const cv::Mat whole = ignoredPixels(mask, mask.size(),
+                                        scaledBy(pixelScale(params, mask.size()), params), "image");
     shares.push_back(1000 * cv::countNonZero(result.images.at(0)->edges.ignore) /
                      cv::countNonZero(whole));
   }
