@@ -109,8 +109,9 @@ DepthLikelihood::WithBias DepthLikelihood::linearizeWithBias(const DepthPoints& 
     const Eigen::Vector3d p(points.x[i], points.y[i], points.z[i]);
     const DistanceField::Reading reading = field_->at(camera_pose * p);
     if (!reading.near) continue;
-    const double inverse_variance = std::min<double>(
-        points.inverse_variance[i], 1 / std::max(1e-12, least_sigma * least_sigma));
+    // The bias is an unknown of its own here, so it is no part of the noise.
+    const double inverse_variance =
+        std::min<double>(points.inverse_noise[i], 1 / std::max(1e-12, least_sigma * least_sigma));
     const double on_model = peakOf(params_, inverse_variance) *
                             std::exp(-reading.distance * reading.distance * inverse_variance / 2);
     const double belief = on_model / (params_.clutter + on_model);

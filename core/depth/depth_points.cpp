@@ -84,6 +84,7 @@ DepthPoints makeDepthPoints(const DepthImage& image, const DepthParameters& para
         static_cast<float>(1 / (params.sigma * params.sigma + noise * noise));
     points.mean_depth += p.z() / static_cast<double>(points.count);
   }
+  points.inverse_noise = points.inverse_variance;
   return points;
 }
 
@@ -94,7 +95,7 @@ DepthPoints withoutBias(const DepthPoints& points, const DepthBias& bias) {
     const double z = points.z[i];
     const auto factor = static_cast<float>(1 + bias.mean * z);
     for (std::vector<float>* v : {&result.x, &result.y, &result.z}) (*v)[i] *= factor;
-    const double variance = 1 / static_cast<double>(points.inverse_variance[i]);
+    const double variance = 1 / static_cast<double>(points.inverse_noise[i]);
     result.inverse_variance[i] = static_cast<float>(1 / (variance + bias.variance * z * z * z * z));
   }
   return result;

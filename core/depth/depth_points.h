@@ -43,6 +43,8 @@ struct DepthPoints {
   double mean_depth = 0;  ///< mean depth of the points, m
   std::vector<float> x, y, z;
   std::vector<float> inverse_variance;  ///< 1 / variance of the distance from the surface, 1/m^2
+  /// As inverse_variance, without the part of the bias, for estimates that model the bias.
+  std::vector<float> inverse_noise;
   double bias_variance = 0;  ///< variance of the bias that remains after withoutBias(), 1/m^2
 };
 

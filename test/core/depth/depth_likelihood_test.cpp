@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <Eigen/Eigenvalues>
+
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/localization_map.h"
 #include "support/depth_scenes.h"
@@ -141,6 +143,19 @@ TEST(DepthLikelihood, ABiasIsFoundFromDepthsNearAndFar) {
     }
     EXPECT_NEAR(bias.mean, b, 3e-4) << b;
   }
+}
+
+/// One unknown bias takes away information in one direction only. If it counted as noise of every
+/// point as well, information would be lost in all directions.
+TEST(DepthLikelihood, AnUnknownBiasCountsOnce) {
+  const DepthLikelihood likelihood(roomField(), DepthParameters());
+  const DepthPoints points = makeDepthPoints(roomDepth(), DepthParameters());
+  const DepthPoints unsure = withoutBias(points, {0, 0.004 * 0.004});
+  const Matrix6 lost =
+      likelihood.linearize(points, kView, 0).h - likelihood.linearize(unsure, kView, 0).h;
+  const Vector6 values = Eigen::SelfAdjointEigenSolver<Matrix6>(lost).eigenvalues();
+  EXPECT_GT(values[5], 0);
+  EXPECT_LT(values.head<5>().cwiseAbs().maxCoeff(), 1e-6 * values[5]);
 }
 
 TEST(DepthLikelihood, RefinementFindsTheTruePose) {
