@@ -5,11 +5,11 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/serialization/CArchive.h>
 
-#include <cmath>
 #include <filesystem>
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/image/image_edges.h"
+#include "edge_mcl/localization/filter/motion_noise.h"
 #include "edge_mcl/mrpt_plugins/CObservationMaskedImage.h"
 #include "edge_mcl/mrpt_plugins/mrpt_conversions.h"
 
@@ -28,23 +28,13 @@ mrpt::obs::CActionCollection::Ptr actionBetween(const Moment& from, const Moment
                                                 const FilterParameters& noise) {
   const double dt = to.time - from.time;
   PoseGaussian change;
-  double position = 0, angle = 0;
+  Vector6 sigma = walkNoise(noise, dt);
   if (from.odometry && to.odometry) {
     const Pose of_camera = from.odometry->inverse() * *to.odometry;
     change.mean = normalized(T_base_camera * of_camera * T_base_camera.inverse());
-    const double root = std::sqrt(dt / 0.1);
-    position = noise.odometry_noise_position * root +
-               noise.odometry_noise_per_metre * change.mean.translation().norm();
-    angle = noise.odometry_noise_angle_deg * M_PI / 180 * root +
-            noise.odometry_noise_per_radian * logSo3(change.mean.linear()).norm();
-  } else {
-    position = noise.walk_position_rate * std::sqrt(dt) + noise.walk_acceleration * dt * dt / 2;
-    angle = M_PI / 180 *
-            (noise.walk_angle_rate_deg * std::sqrt(dt) +
-             noise.walk_angular_acceleration_deg * dt * dt / 2);
+    sigma = odometryNoise(noise, change.mean, dt);
   }
-  change.covariance.diagonal().head<3>().setConstant(position * position);
-  change.covariance.diagonal().tail<3>().setConstant(angle * angle);
+  change.covariance = sigma.cwiseAbs2().asDiagonal();
 
   mrpt::obs::CActionRobotMovement3D movement;
   movement.timestamp = mrpt::Clock::fromDouble(to.time);

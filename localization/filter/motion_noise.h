@@ -9,18 +9,22 @@
 
 namespace edge_mcl {
 
-/// Standard deviations of an odometry increment, per axis: metres, radians. They have a part that
-/// grows with the root of the time and a part in proportion to the distance or the angle.
+/// Standard deviations of an odometry increment, per axis: metres, radians. The variance is a part
+/// in proportion to the time and a part in proportion to the distance or the angle. So it is the
+/// same for one long step as for many short ones (S. Thrun, W. Burgard, D. Fox, "Probabilistic
+/// Robotics", 2005, section 5.4).
 /// @param increment motion of the base. @param dt duration of the motion, seconds.
 inline Vector6 odometryNoise(const FilterParameters& p, const Pose& increment, double dt) {
   // The parameters hold for a step of kReferenceTime seconds.
   constexpr double kReferenceTime = 0.1;
   const double root = std::sqrt(dt / kReferenceTime);
   Vector6 sigma;
-  sigma.head<3>().setConstant(p.odometry_noise_position * root +
-                              p.odometry_noise_per_metre * increment.translation().norm());
-  sigma.tail<3>().setConstant(p.odometry_noise_angle_deg * kDegree * root +
-                              p.odometry_noise_per_radian * logSo3(increment.linear()).norm());
+  sigma.head<3>().setConstant(
+      std::hypot(p.odometry_noise_position * root,
+                 p.odometry_noise_per_metre * std::sqrt(increment.translation().norm())));
+  sigma.tail<3>().setConstant(
+      std::hypot(p.odometry_noise_angle_deg * kDegree * root,
+                 p.odometry_noise_per_radian * std::sqrt(logSo3(increment.linear()).norm())));
   return sigma;
 }
 

@@ -17,7 +17,7 @@ Twist twist(double x, double y, double z, double rx, double ry, double rz) {
 const Pose kPose = expSe3(twist(1, 2, 3, 0.3, -0.2, 1.1));
 const Pose kStep = expSe3(twist(0.4, -0.1, 0.2, 0.1, 0.3, -0.2));
 
-TEST(OdometryNoise, IsTheSumOfATimePartAndAMotionPart) {
+TEST(OdometryNoise, VariancesOfTimeAndMotionAddUp) {
   FilterParameters p;
   p.odometry_noise_position = 0.02;
   p.odometry_noise_angle_deg = 0.5;
@@ -28,8 +28,22 @@ TEST(OdometryNoise, IsTheSumOfATimePartAndAMotionPart) {
   step.linear() = Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitY()).toRotationMatrix();
   // In 0.4 s the noise of 0.1 s doubles. The distance is 5 m, the angle is 0.8 rad.
   const Vector6 sigma = odometryNoise(p, step, 0.4);
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(sigma[i], 2 * 0.02 + 0.1 * 5, 1e-12);
-  for (int i = 3; i < 6; ++i) EXPECT_NEAR(sigma[i], 2 * 0.5 * M_PI / 180 + 0.25 * 0.8, 1e-12);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(sigma[i] * sigma[i], 4 * 0.02 * 0.02 + 0.1 * 0.1 * 5, 1e-12);
+  const double turn = 0.5 * M_PI / 180;
+  for (int i = 3; i < 6; ++i)
+    EXPECT_NEAR(sigma[i] * sigma[i], 4 * turn * turn + 0.25 * 0.25 * 0.8, 1e-12);
+}
+
+/// A metre at 5 images a second has the same noise as at 50.
+TEST(OdometryNoise, DoesNotDependOnTheRateOfImages) {
+  const auto varianceOf = [](int steps) {
+    Pose step = Pose::Identity();
+    step.translation().x() = 1.0 / steps;
+    step.linear() = expSo3({0, 0, 0.5 / steps});
+    return Vector6(steps * odometryNoise({}, step, 1.0 / steps).cwiseAbs2());
+  };
+  EXPECT_LT((varianceOf(5) - varianceOf(50)).norm(), 1e-12);
 }
 
 TEST(OdometryNoise, VanishesWithoutTimeAndMotion) {
