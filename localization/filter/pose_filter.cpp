@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/filter/contrast.h"
 #include "edge_mcl/localization/filter/mode_proposal.h"
 #include "edge_mcl/localization/filter/motion_noise.h"
 #include "edge_mcl/localization/filter/resampling.h"
@@ -35,6 +36,7 @@ void PoseFilter::initialize(const PoseGaussian& gaussian) {
   for (Pose& pose : poses_) pose = density.draw(&random_);
   log_weights_.assign(poses_.size(), 0);
   estimate_ = gaussian;
+  covariance_.reset(gaussian.covariance);
   last_estimate_.reset();
   since_last_estimate_ = 0;
   velocity_.setZero();
@@ -61,6 +63,7 @@ void PoseFilter::setParticles(std::vector<Pose> poses, std::vector<double> log_w
   poses_ = std::move(poses);
   log_weights_ = std::move(log_weights);
   estimate_ = meanAndCovariance(poses_, normalizedWeights());
+  covariance_.reset(estimate_.covariance);
   last_estimate_.reset();
   velocity_.setZero();
   depth_biases_.clear();
@@ -97,6 +100,7 @@ void PoseFilter::moveEstimate(const Pose& increment, const Twist& noise_before) 
   estimate_.mean = normalized(estimate_.mean * increment);
   estimate_.covariance = to_new_axes * estimate_.covariance * to_new_axes.transpose();
   estimate_.covariance.diagonal() += noise_variance_ - noise_before;
+  covariance_.move(increment, noise_variance_ - noise_before);
 }
 
 void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
@@ -106,7 +110,7 @@ void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
   resampleIfNeeded();
   const Vector6 noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
-  addNoise(odometryNoise(params_, increment, dt));
+  addNoise(odometry_noise_factor_ * odometryNoise(params_, increment, dt));
   moveEstimate(increment, noise_before);
   since_last_estimate_ += dt;
 }
@@ -234,7 +238,25 @@ void PoseFilter::weigh(const LocalizationMap& map, const std::vector<CameraView>
   }
   const double exponent = temperingExponent(fixed, likelihood, params_.ess_floor);
   report->tempering += exponent * remaining_exponent;
-  for (size_t i = 0; i < n; ++i) log_weights_[i] = fixed[i] + exponent * likelihood[i];
+  full_log_weights_.resize(n);
+  for (size_t i = 0; i < n; ++i) {
+    log_weights_[i] = fixed[i] + exponent * likelihood[i];
+    full_log_weights_[i] = fixed[i] + likelihood[i];
+  }
+}
+
+Matrix6 PoseFilter::otherModes(const Pose& centre, const Matrix6& width) const {
+  constexpr double kFar = 16;  // squared Mahalanobis distance
+  const Matrix6 information = inverseOf(width);
+  const Pose inverse = centre.inverse();
+  const std::vector<double> weights = normalize(full_log_weights_);
+  Matrix6 moment = Matrix6::Zero();
+  for (size_t i = 0; i < poses_.size(); ++i) {
+    if (weights[i] < 1e-9) continue;
+    const Twist offset = logSe3(inverse * poses_[i]);
+    if (offset.dot(information * offset) > kFar) moment += weights[i] * offset * offset.transpose();
+  }
+  return moment;
 }
 
 bool PoseFilter::spreadBeyondNormals(const LocalizationMap& map,
@@ -260,7 +282,7 @@ bool PoseFilter::spreadBeyondNormals(const LocalizationMap& map,
     const auto middle = depths.begin() + static_cast<long>(depths.size() / 2);
     std::nth_element(depths.begin(), middle, depths.end());
     const double pixels = camera.fx * std::hypot(angle, position / *middle);
-    if (pixels > refinement_.search_length / 2) return true;
+    if (pixels > view.image->pixel_scale * refinement_.search_length / 2) return true;
   }
   return false;
 }
@@ -293,13 +315,22 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
   report->refinement_ms += millisecondsSince(start);
   report->matched_samples = sharp.matched_samples;
   report->used_samples = sharp.used_samples;
-  if (!is_better) return compared[0];
-  // The covariance is the spread of the particles about the refined pose. Tempering widens the
-  // cloud, so this covariance is cautious.
-  const Twist shift = logSe3(sharp.pose.inverse() * cloud.mean);
-  estimate_.mean = sharp.pose;
-  estimate_.covariance = cloud.covariance + shift * shift.transpose();
-  return compared[1];
+  if (!refinement_.enabled) return compared[0];  // the estimate is that of the particles
+  estimate_.mean = is_better ? sharp.pose : cloud.mean;
+  covariance_.correct(map.observe(views, estimate_.mean), predictive.core().covariance);
+  if (report->passes > 1) {
+    // The particles are spread wider than the refinement reaches, so it may have found another mode
+    // than that of the true pose. The spread of the particles tells.
+    const Twist shift = logSe3(estimate_.mean.inverse() * cloud.mean);
+    covariance_.reset(cloud.covariance + shift * shift.transpose());
+  }
+  // In clean rooms the variance of the particles is up to this many times that of the refinement.
+  constexpr double kWide = 6;
+  estimate_.covariance = covariance_.covariance();
+  const Matrix6 own = estimate_.covariance + kWide * covariance_.refined();
+  estimate_.covariance += otherModes(estimate_.mean, own);
+  report->line_sigma = covariance_.lineSigma();
+  return compared[is_better ? 1 : 0];
 }
 
 std::vector<CameraView> PoseFilter::withoutBias(const LocalizationMap& map,
@@ -343,6 +374,8 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
   const auto begin = Clock::now();
   UpdateReport report;
   const std::vector<CameraView> views = withoutBias(map, raw_views);
+  const Pose expected = estimate_.mean;
+  report.innovation_of_images = covariance_.refined();
   // Particles are weighed by a share of the samples, to save time. Single poses are scored by all.
   std::vector<CameraView> thinned = views;
   for (CameraView& view : thinned)
@@ -389,9 +422,17 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
   if (at_estimate.depth_points > 0)
     report.depth_agreement =
         static_cast<double>(at_estimate.depth_points_on_model / at_estimate.depth_points);
+  if (report.has_information) {
+    report.contrast = contrastOf(map, thinned, estimate_.mean);
+    const Eigen::Vector3d c = covariance_.calibrationError();
+    report.focal_error = c[0];
+    report.centre_error = c.tail<2>();
+  }
   if (report.visible_lines > 0) edges_fit_.add(report.evidence_per_line, params_);
   if (report.depth_points > 0) depth_fit_.add(report.depth_agreement, params_);
   if (report.has_information) {
+    report.innovation = logSe3(expected.inverse() * estimate_.mean);
+    report.innovation_of_images += covariance_.refined();
     learnBias(map, views, &report);
     trackVelocity();
   }

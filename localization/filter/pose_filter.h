@@ -10,6 +10,7 @@
 #include "edge_mcl/core/base/random_source.h"
 #include "edge_mcl/core/base/se3.h"
 #include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/localization/filter/estimate_covariance.h"
 #include "edge_mcl/localization/filter/mode_proposal.h"
 #include "edge_mcl/localization/filter/recovery_averages.h"
 #include "edge_mcl/localization/filter/tilt_correction.h"
@@ -31,9 +32,17 @@ struct UpdateReport {
   double depth_bias = 0;       ///< 1/m, the sensor's bias that the filter has learnt, see DepthBias
   double depth_agreement = 0;  ///< share of the depth points on the model, at the estimate
   int refined_modes = 0;       ///< refined poses that particles were drawn around
-  double injected_share = 0;   ///< share of injected particles, see RecoveryAverages
-  int passes = 0;              ///< passes over the images; with more than one, exponents are < 1
+  double contrast = 0;         ///< of the estimate, see contrastOf()
+  double line_sigma = 0;   ///< learnt offset of a line from its image edge, see EstimateCovariance
+  double focal_error = 0;  ///< learnt relative error of the focal length
+  Eigen::Vector2d centre_error = Eigen::Vector2d::Zero();  ///< of the principal point, pixels
+  double injected_share = 0;     ///< share of injected particles, see RecoveryAverages
+  int passes = 0;                ///< passes over the images; with more than one, exponents are < 1
   bool has_information = false;  ///< false: no particle sees the model; the pose is a prediction
+  /// From the predicted pose to the new estimate, and the covariance that images give this
+  /// difference: of the last estimate and of the new one.
+  Twist innovation = Twist::Zero();
+  Matrix6 innovation_of_images = Matrix6::Zero();
   /// Durations, milliseconds.
   double likelihood_ms = 0, refinement_ms = 0, total_ms = 0;
 };
@@ -79,6 +88,9 @@ class PoseFilter {
   /// them.
   UpdateReport update(const LocalizationMap& map, const std::vector<CameraView>& views);
 
+  /// Factor on the standard deviations of odometry_noise_*, from now on. 1 at the start.
+  void setOdometryNoiseFactor(double factor) { odometry_noise_factor_ = factor; }
+
   /// Resamples now if the next prediction would resample.
   void resample() { resampleIfNeeded(); }
 
@@ -104,6 +116,8 @@ class PoseFilter {
   /// length in the image, or a third of the depth truncation.
   bool spreadBeyondNormals(const LocalizationMap& map, const std::vector<CameraView>& views,
                            const PoseGaussian& cloud) const;
+  /// Second moment, about the estimate, of the particles that belong to other modes.
+  Matrix6 otherModes(const Pose& centre, const Matrix6& width) const;
   double shareToInject() const;
   void drawTails(const PredictiveDensity& predictive, double share);
   /// Moves equal particles apart, without a change of the cloud's mean and covariance.
@@ -123,10 +137,14 @@ class PoseFilter {
   RandomSource random_;
   std::vector<Pose> poses_;
   std::vector<double> log_weights_;
+  /// As log_weights_ after the last update, without tempering.
+  std::vector<double> full_log_weights_;
   PoseGaussian estimate_;
+  EstimateCovariance covariance_;
   std::map<uint32_t, DepthBias> depth_biases_;  // key: CameraView::depth_sensor
   RecoveryAverages edges_fit_, depth_fit_;
   std::optional<PoseGaussian> last_estimate_;
+  double odometry_noise_factor_ = 1;
   double since_last_estimate_ = 0;            // seconds
   Vector6 noise_variance_ = Vector6::Zero();  // sum of the prediction's noise since the last update
   Twist velocity_ = Twist::Zero();            // base frame, m/s and rad/s

@@ -1,0 +1,159 @@
+#include "edge_mcl/localization/filter/estimate_covariance.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "edge_mcl/core/base/random_source.h"
+
+namespace edge_mcl {
+namespace {
+
+/// A building without images: lines with known rows of the Jacobian and a constant offset each.
+/// Poses are small, so the space is flat and a linear filter is exact.
+class ManyLines {
+ public:
+  ManyLines(uint64_t seed, size_t lines, double sigma) : random_(seed) {
+    for (size_t l = 0; l < lines; ++l) {
+      rows_.push_back(300 * random_.normalTwist());  // pixels per metre and radian
+      offsets_.push_back(sigma * random_.normal());
+    }
+  }
+
+  struct Run {
+    Twist error;
+    PoseGaussian estimate;
+    double line_sigma;
+  };
+
+  /// Follows a pose at rest. Every step adds motion noise and an update.
+  Run follow(int steps, double motion_sigma, const Eigen::Vector3d& calibration_error) {
+    EstimateCovariance covariance;
+    const Matrix6 start = 1e-6 * Matrix6::Identity();
+    covariance.reset(start);
+    Twist error = 1e-3 * random_.normalTwist();  // of the estimate
+    Matrix6 prior = start;
+    for (int k = 0; k < steps; ++k) {
+      const Vector6 noise = Vector6::Constant(motion_sigma * motion_sigma);
+      error += motion_sigma * random_.normalTwist();
+      covariance.move(Pose::Identity(), noise);
+      prior.diagonal() += noise;
+      Matrix6 information = Matrix6::Zero();
+      Twist pull = Twist::Zero();
+      for (size_t l = 0; l < rows_.size(); ++l) {
+        information += rows_[l] * rows_[l].transpose();
+        pull += rows_[l] * (offsets_[l] + row(l).dot(calibration_error));
+      }
+      // x = A x' + P sum p_l b_l
+      const Matrix6 posterior = inverseOf(inverseOf(prior) + information);
+      error = posterior * (inverseOf(prior) * error + pull);
+      covariance.correct(observe(error, calibration_error), prior);
+      prior = posterior;
+    }
+    return {error, {Pose::Identity(), covariance.covariance()}, covariance.lineSigma()};
+  }
+
+ private:
+  Eigen::Vector3d row(size_t l) const {
+    const double angle = 0.37 * static_cast<double>(l);
+    return {100 * std::sin(0.11 * static_cast<double>(l * l)), std::cos(angle), std::sin(angle)};
+  }
+  /// All lines at an estimate with this error.
+  PoseObservation observe(const Twist& error, const Eigen::Vector3d& calibration_error) const {
+    PoseObservation seen;
+    CameraObservation camera;
+    for (size_t l = 0; l < rows_.size(); ++l) {
+      const double residual = offsets_[l] + row(l).dot(calibration_error) - rows_[l].dot(error);
+      PoseObservation::Piece piece;
+      piece.key = static_cast<uint32_t>(l);
+      piece.pull = rows_[l];
+      piece.offset = residual;
+      piece.weight = piece.samples = 1;
+      seen.pieces.push_back(piece);
+      camera.pose_information += rows_[l] * rows_[l].transpose();
+      camera.pose_gradient += residual * rows_[l];
+      camera.pull += rows_[l] * row(l).transpose();
+      camera.information += row(l) * row(l).transpose();
+      camera.gradient += residual * row(l);
+    }
+    seen.information = camera.pose_information;
+    seen.cameras = {camera};
+    return seen;
+  }
+
+  RandomSource random_;
+  std::vector<Vector6> rows_;
+  std::vector<double> offsets_;
+};
+
+/// Normalised squared errors (NEES) of many buildings, sorted. Of honest covariances they have a
+/// chi-square distribution with six degrees of freedom: median 5.35.
+std::vector<double> squaredErrors(double line_sigma, double motion_sigma,
+                                  const Eigen::Vector3d& calibration_error) {
+  std::vector<double> nees;
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    const ManyLines::Run run =
+        ManyLines(seed, 60, line_sigma).follow(40, motion_sigma, calibration_error);
+    nees.push_back(squaredMahalanobis(run.error, run.estimate.covariance));
+  }
+  std::sort(nees.begin(), nees.end());
+  return nees;
+}
+
+/// Offsets do not average away over 40 images, whether motion is forgotten at once or slowly. The
+/// median of 200 draws has a standard error of 0.25. The unknown calibration adds to the
+/// covariance, so the median may be lower.
+TEST(EstimateCovariance, IsHonestWhereLinesAreOff) {
+  for (const double line_sigma : {0.5, 1.0, 3.0})
+    for (const double motion_sigma : {0.01, 0.0003}) {
+      const std::vector<double> nees =
+          squaredErrors(line_sigma, motion_sigma, Eigen::Vector3d::Zero());
+      EXPECT_GT(nees[100], 2.5) << line_sigma << " px, motion " << motion_sigma;
+      EXPECT_LT(nees[100], 6.5) << line_sigma << " px, motion " << motion_sigma;
+      EXPECT_LT(nees[190], 20) << line_sigma << " px, motion " << motion_sigma;
+    }
+}
+
+/// A principal point that is off by 8 pixels shows in the residuals. It is known well then, and its
+/// known part counts as if it were random, so the covariance may be too large.
+TEST(EstimateCovariance, IsHonestWhereTheCalibrationIsOff) {
+  const std::vector<double> nees = squaredErrors(0.5, 0.01, {0.004, 8, -5});
+  EXPECT_GT(nees[100], 0.5);
+  EXPECT_LT(nees[100], 8);
+  EXPECT_LT(nees[190], 25);
+}
+
+TEST(EstimateCovariance, LearnsTheOffsetsOfLines) {
+  for (const double sigma : {0.3, 2.0}) {
+    double mean = 0;
+    for (uint64_t seed = 1; seed <= 20; ++seed)
+      mean += ManyLines(seed, 60, sigma).follow(40, 0.01, Eigen::Vector3d::Zero()).line_sigma / 20;
+    // Sixty offsets tell their standard deviation to a tenth, twenty runs to a fortieth.
+    EXPECT_NEAR(mean, sigma, 0.1 * sigma + 0.02);
+  }
+}
+
+TEST(EstimateCovariance, WithoutImagesMotionAddsItsNoise) {
+  EstimateCovariance covariance;
+  covariance.reset(Matrix6::Zero());
+  covariance.move(Pose::Identity(), Vector6::Constant(0.01));
+  covariance.move(Pose::Identity(), Vector6::Constant(0.02));
+  EXPECT_TRUE(covariance.covariance().isApprox(0.03 * Matrix6::Identity(), 1e-9));
+}
+
+/// The tangent space turns with the base: an error along x is along -y after a left turn.
+TEST(EstimateCovariance, TurnsWithTheBase) {
+  EstimateCovariance covariance;
+  Matrix6 along_x = Matrix6::Zero();
+  along_x(0, 0) = 1;
+  covariance.reset(along_x);
+  Pose turn = Pose::Identity();
+  turn.linear() = expSo3({0, 0, M_PI / 2});
+  covariance.move(turn, Vector6::Zero());
+  EXPECT_NEAR(covariance.covariance()(1, 1), 1, 1e-9);
+  EXPECT_NEAR(covariance.covariance()(0, 0), 0, 1e-9);
+}
+
+}  // namespace
+}  // namespace edge_mcl
