@@ -18,6 +18,7 @@ struct FilterParameters {
   double odometry_noise_angle_deg = 0.3;
   double odometry_noise_per_metre = 0.04;
   double odometry_noise_per_radian = 0.04;
+  bool learn_odometry = true;
   double walk_position_rate = 0.03;
   double walk_angle_rate_deg = 3;
   double walk_acceleration = 1;
@@ -42,10 +43,13 @@ struct FilterParameters {
       "with odometry: position noise of a step; it grows with the root of the step's duration");
     v("odometry_noise_angle_deg", odometry_noise_angle_deg, "deg/sqrt(0.1 s)", notNegative(),
       "with odometry: rotation noise of a step; it grows with the root of the step's duration");
-    v("odometry_noise_per_metre", odometry_noise_per_metre, "m/m", notNegative(),
-      "with odometry: position noise per distance moved");
-    v("odometry_noise_per_radian", odometry_noise_per_radian, "rad/rad", notNegative(),
-      "with odometry: rotation noise per angle turned");
+    v("odometry_noise_per_metre", odometry_noise_per_metre, "m/sqrt(m)", notNegative(),
+      "with odometry: position noise of one metre moved; it grows with the root of the distance");
+    v("odometry_noise_per_radian", odometry_noise_per_radian, "rad/sqrt(rad)", notNegative(),
+      "with odometry: rotation noise of one radian turned; it grows with the root of the angle");
+    v("learn_odometry", learn_odometry, "", anyValue(),
+      "while poses are trusted, scale and turn rate of the odometry and a factor on its noise are "
+      "learnt");
     v("walk_position_rate", walk_position_rate, "m/sqrt(s)", positive(),
       "without odometry: position noise");
     v("walk_angle_rate_deg", walk_angle_rate_deg, "deg/sqrt(s)", positive(),
@@ -88,8 +92,11 @@ struct TrackingParameters {
   int min_edge_pixels = 100;
   double max_masked_share = 0.8;
   bool lift_mask = true;
-  double min_match_ratio = 0.35;
-  double min_evidence = 7;
+  double min_probability = 0.8;
+  double keep_probability = 0.5;
+  double lost_probability = 0.4;
+  double min_match_ratio = 0.1;
+  double min_evidence = 0;
   double min_depth_agreement = 0.4;
   double lost_after = 1.5;
   double converged_std_position = 0.1;
@@ -111,6 +118,13 @@ struct TrackingParameters {
       "an image with a larger share of its pixels masked is not used");
     v("lift_mask", lift_mask, "", anyValue(),
       "while tracking, the mask is removed along model edges that the images show under it");
+    v("min_probability", min_probability, "", from(0, 1),
+      "a pose is trusted when the probability that it is within 0.25 m and 5 degrees is at least "
+      "this");
+    v("keep_probability", keep_probability, "", from(0, 1),
+      "a trusted pose stays trusted while that probability is at least this");
+    v("lost_probability", lost_probability, "", from(0, 1),
+      "a pose above this probability is lost only after four times lost_after");
     v("min_match_ratio", min_match_ratio, "", from(0, 1),
       "a pose is not trusted when a smaller share of its samples has an image edge in reach");
     v("min_evidence", min_evidence, "nats", anyValue(),

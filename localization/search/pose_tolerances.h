@@ -4,7 +4,10 @@
 /// hall (docs/search.md); each relation that must hold between them is stated.
 #pragma once
 
+#include <cmath>
+
 #include "edge_mcl/core/base/angles.h"
+#include "edge_mcl/core/base/se3.h"
 
 namespace edge_mcl {
 
@@ -12,6 +15,13 @@ struct PoseTolerance {
   double position;  ///< m
   double angle;     ///< rad
 };
+
+/// Whether a standard deviation of the pose is above the tolerance, along any axis.
+inline bool isWiderThan(const PoseTolerance& tolerance, const PoseGaussian& pose) {
+  const Vector6 variance = pose.covariance.diagonal();
+  return std::sqrt(variance.head<3>().maxCoeff()) > tolerance.position ||
+         std::sqrt(variance.tail<3>().maxCoeff()) > tolerance.angle;
+}
 
 /// Smallest standard deviation of a pose that the search reports. Along a bare wall a pose may
 /// explain everything that is seen and still have this error.

@@ -29,24 +29,23 @@ LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map, bool se
       tracking_(map_->params().tracking),
       filter_(map_->params().filter, map_->params().refinement),
       proof_(map_->params()),
+      odometry_(map_->params().filter),
       search_in_background_(search_in_background) {}
 
 void LiveLocalizer::begin() {
   initial_ = filter_.estimate();
   states_.givePose();
   fresh_ = true;
+  odometry_.endWaiting();
   odometry_of_update_.reset();
   searching_ = false;
   mask_lifter_.forget();
+  probability_.begin(false);
   proof_.begin(isSpreadWide());
   if (proof_.isNeeded()) beginSearch(true);
 }
 
-bool LiveLocalizer::isSpreadWide() const {
-  const Vector6 variance = filter_.estimate().covariance.diagonal();
-  return std::sqrt(variance.head<3>().maxCoeff()) > kWideSpread.position ||
-         std::sqrt(variance.tail<3>().maxCoeff()) > kWideSpread.angle;
-}
+bool LiveLocalizer::isSpreadWide() const { return isWiderThan(kWideSpread, filter_.estimate()); }
 
 bool LiveLocalizer::isLeftToSearch(const LiveInput& input) const {
   // Particles that are spread so wide see the model from many places. Weighing them takes as long
@@ -102,13 +101,14 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   if (!report.keyframe || !(report.converged || agreesWith(report))) return;
   filter_.initialize(report.estimate);
   begin();
+  probability_.begin(!report.stale);
   if (report.stale) proof_.require(false);
   fresh_ = false;  // the pose belongs to this moment
   states_.excuse(input.time);
   result->relocalized = true;
   // The search has just explained these images. The filter uses them for its own covariance.
   useImages(views, result);
-  if (addToProof(input.time, *result)) judge(input.time, true, true);
+  if (addToProof(input.time, result)) judge(input.time, true, true);
 }
 
 bool LiveLocalizer::agreesWith(const SearchReport& report) const {
@@ -121,11 +121,19 @@ bool LiveLocalizer::agreesWith(const SearchReport& report) const {
          isNear(report.estimate.mean, filter_.estimate().mean, kSamePose);
 }
 
-bool LiveLocalizer::addToProof(double time, const LiveResult& result) {
+bool LiveLocalizer::addToProof(double time, LiveResult* result) {
+  const auto odds = result->updated ? oddsOf(result->report) : std::nullopt;
+  if (odds) {
+    result->log_odds = odds->log_odds;
+    probability_.add(time, *odds);
+  } else {
+    probability_.wait(time);
+  }
   // When only depth was used, the match ratio counts as 1.
-  const double ratio = result.report.used_samples > 0 ? result.match_ratio : 1;
-  return proof_.add({time, result.updated, isConfirmed(result), ratio,
-                     static_cast<double>(result.report.visible_lines)},
+  const double ratio = result->report.used_samples > 0 ? result->match_ratio : 1;
+  const bool contradicts = result->updated && (!result->report.has_information ||
+                                               probability_.value() < tracking_.keep_probability);
+  return proof_.add({time, contradicts, isConfirmed(*result), ratio, result->report.visible_lines},
                     filter_.estimate());
 }
 
@@ -159,39 +167,61 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
   // A pose that was just given holds for the first moment after it and is not predicted.
   if (last_time_ && !result->restarted) {
     const double dt = input.time - *last_time_;
+    result->step_time = dt;
     // In a long time without images anything may have happened. But a camera may also be slow, or
     // send its images in bursts, so the time is compared with earlier ones.
     const bool is_gap = longest_interval_ > 0 && dt > kBlindly && dt > 3 * longest_interval_;
     longest_interval_ = std::max(dt, 0.9 * longest_interval_);
     if (is_gap && initial_ && !fresh_) {
-      proof_.interrupt(!input.odometry || !last_odometry_);
+      proof_.interrupt(!odometry_.incrementTo(input.odometry));
       // The pose needs proof, but no image has contradicted it. So the time until `lost` starts
       // now.
       if (states_.trusted()) states_.excuse(input.time);
     }
-    std::optional<Pose> increment;
-    if (input.odometry && last_odometry_)
-      increment = normalized(last_odometry_->inverse() * *input.odometry);
-    if (searching_ && !fresh_) finder_->move(BaseMotion::of(map_->params().filter, increment, dt));
-    if (initial_ && !fresh_) {
-      const Pose before = filter_.estimate().mean;
-      const FilterParameters& p = map_->params().filter;
-      if (increment) {
-        filter_.predictWithOdometry(*increment, dt);
-        proof_.move(*increment, odometryNoise(p, *increment, dt));
-      } else {
-        filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap), dt);
-        // The constant-velocity model moves the expected pose, too.
-        proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
-      }
-    }
+    if (!fresh_) follow(input, dt);
   }
   fresh_ = false;
   last_time_ = input.time;
-  last_odometry_ = input.odometry;
+  odometry_.read(input.odometry);
   if (initial_ && input.up && !filter_.correctTilt(*input.up))
     result->problem = "roll and pitch of the IMU contradict the pose and are not used";
   return true;
+}
+
+PoseGaussian LiveLocalizer::presentPose() const {
+  if (!odometry_.isWaiting()) return filter_.estimate();
+  const OdometryStep step = odometry_.waited();
+  return moved(filter_.estimate(), step.pose, step.sigma);
+}
+
+void LiveLocalizer::predict(const OdometryStep& step) {
+  if (searching_) finder_->move({step.pose, step.sigma.cwiseAbs2(), step.time, 0});
+  if (!initial_) return;
+  filter_.setOdometryNoiseFactor(step.noise_factor);
+  filter_.predictWithOdometry(step.pose, step.time);
+  proof_.move(step.pose, step.sigma);
+}
+
+void LiveLocalizer::predictBlindly(double dt) {
+  odometry_.interrupt();
+  const FilterParameters& p = map_->params().filter;
+  if (searching_) finder_->move(BaseMotion::of(p, std::nullopt, dt));
+  if (!initial_) return;
+  const Pose before = filter_.estimate().mean;
+  filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap), dt);
+  // The constant-velocity model moves the expected pose, too.
+  proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
+}
+
+void LiveLocalizer::follow(const LiveInput& input, double dt) {
+  const std::optional<Pose> increment = odometry_.incrementTo(input.odometry);
+  if (increment) odometry_.wait(*increment, dt);
+  if (increment && isInitialized() && !searching_ && !hasMoved(input)) return;
+  if (odometry_.isWaiting()) {
+    predict(odometry_.waited());
+    odometry_.endWaiting();
+  }
+  if (!increment) predictBlindly(dt);
 }
 
 bool LiveLocalizer::hasMoved(const LiveInput& input) const {
@@ -200,6 +230,9 @@ bool LiveLocalizer::hasMoved(const LiveInput& input) const {
   if (!states_.trusted() || proof_.isNeeded())
     return true;  // a pose in doubt needs images for its proof, at rest too
   if (input.force_update || !input.odometry || !odometry_of_update_) return true;
+  const PoseTolerance narrow{tracking_.converged_std_position,
+                             tracking_.converged_std_angle_deg * kDegree};
+  if (isWiderThan({narrow.position / 2, narrow.angle / 2}, presentPose())) return true;
   const Pose motion = odometry_of_update_->inverse() * *input.odometry;
   const double angle_deg = logSo3(motion.linear()).norm() * 180 / M_PI;
   return (p.update_min_d > 0 && motion.translation().norm() >= p.update_min_d) ||
@@ -254,7 +287,7 @@ void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
     result->image_times.edges += image->times.edges;
     result->image_times.field += image->times.field;
     result->image_times.table += image->times.table;
-    if (image->pixels.list().size() < static_cast<size_t>(p.min_edge_pixels)) {
+    if (static_cast<double>(image->pixels.list().size()) < image->pixel_scale * p.min_edge_pixels) {
       *problem = view.origin + ": hardly any edges in the image (dark or covered?)";
       continue;
     }
@@ -316,6 +349,9 @@ bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
   const TrackingParameters& p = tracking_;
   const UpdateReport& r = result.report;
   if (!result.updated || !r.has_information) return false;
+  const double needed =
+      states_.trusted() ? std::min(p.keep_probability, p.min_probability) : p.min_probability;
+  if (probability_.value() < needed) return false;
   const bool enough_evidence = map_->params().likelihood.model == LikelihoodModel::kPaper ||
                                r.evidence_per_line >= p.min_evidence;
   const bool by_edges = result.match_ratio >= p.min_match_ratio && enough_evidence;
@@ -335,11 +371,11 @@ bool LiveLocalizer::showWhatIsNotInView(const std::vector<CameraView>& views) {
 }
 
 void LiveLocalizer::judge(double time, bool trusted, bool used) {
-  const Vector6 variance = filter_.estimate().covariance.diagonal();
-  const bool narrow =
-      std::sqrt(variance.head<3>().maxCoeff()) < tracking_.converged_std_position &&
-      std::sqrt(variance.tail<3>().maxCoeff()) < tracking_.converged_std_angle_deg * kDegree;
-  states_.judge({time, used, trusted, narrow}, tracking_.lost_after);
+  const PoseTolerance most{tracking_.converged_std_position,
+                           tracking_.converged_std_angle_deg * kDegree};
+  const bool narrow = !isWiderThan(most, filter_.estimate());
+  const bool doubtful = !used || probability_.value() < tracking_.lost_probability;
+  states_.judge({time, used, trusted, narrow, doubtful}, tracking_.lost_after);
 }
 
 LiveResult LiveLocalizer::process(const LiveInput& input) {
@@ -347,21 +383,30 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
   if (!isInitialized() && !searching_) {
     result.problem = "no initial pose yet";
     last_time_ = input.time;
-    last_odometry_ = input.odometry;
+    odometry_.forgetReading();
+    odometry_.read(input.odometry);
     return result;
   }
+  const Pose before = filter_.estimate().mean;
   try {
     if (advanceTo(input, &result)) processImages(input, &result);
   } catch (const Error& e) {
     result.problem = e.what();
   }
+  if (result.relocalized || result.restarted)
+    odometry_.forgetReading();  // the estimate jumped; the next reading tells where from
+  else if (!input.odometry && !result.late)
+    odometry_.carry(before.inverse() * filter_.estimate().mean, result.step_time,
+                    tracking_.max_gap);
   result.state = state();
-  result.estimate = filter_.estimate();
+  result.estimate = presentPose();
+  if (isInitialized()) result.probability = probability_.value();
+  result.odometry = odometry_.calibration();
   return result;
 }
 
 void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
-  if (isInitialized() && !searching_ && !hasMoved(input)) {
+  if (odometry_.isWaiting()) {
     states_.excuse(input.time);
     return;
   }
@@ -374,11 +419,13 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
       if (!of_use.empty()) problem = of_use;
     }
     if (result->updated) odometry_of_update_ = input.odometry;
+    trusted = addToProof(input.time, result);
     const bool confirmed = isConfirmed(*result);
-    trusted = addToProof(input.time, *result);
     if (result->updated && !confirmed && problem.empty())
       problem = "the image does not confirm the pose";
     judge(input.time, trusted, result->updated);
+    if (result->updated)
+      odometry_.update(result->report, trusted && state() == LocalizerState::kTracking);
     learnUnderMasks(input, result->updated);
     if (trusted) searching_ = false;
     if (state() == LocalizerState::kLost) {

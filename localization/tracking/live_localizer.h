@@ -11,6 +11,8 @@
 #include "edge_mcl/localization/search/pose_finder.h"
 #include "edge_mcl/localization/tracking/localizer_state.h"
 #include "edge_mcl/localization/tracking/mask_lifter.h"
+#include "edge_mcl/localization/tracking/odometry_track.h"
+#include "edge_mcl/localization/tracking/pose_probability.h"
 #include "edge_mcl/localization/tracking/pose_proof.h"
 
 namespace edge_mcl {
@@ -45,13 +47,18 @@ struct LiveResult {
   LocalizerState state = LocalizerState::kUninitialized;
   std::string problem;     ///< a fault, in one line; empty: no fault
   bool updated = false;    ///< the images were used
+  double step_time = 0;    ///< time since the last moment, s
   bool late = false;       ///< the moment is older than the last one and was not used
   bool restarted = false;  ///< the clock jumped back; localization or search began again
   PoseGaussian estimate;   ///< T_map_base at this moment
   UpdateReport report;
   StageTimes image_times;
-  double masked_share = 0;  ///< masked share of the image; the largest of all cameras
-  double match_ratio = 0;   ///< share of the visible samples with an image edge in reach
+  /// Probability that the pose is within 0.25 m and 5 degrees, see PoseProbability.
+  double probability = 0;
+  double log_odds = 0;           ///< of this image alone; 0: it told nothing
+  OdometryCalibration odometry;  ///< learnt errors of odometry
+  double masked_share = 0;       ///< masked share of the image; the largest of all cameras
+  double match_ratio = 0;        ///< share of the visible samples with an image edge in reach
   std::vector<std::shared_ptr<const PreparedImage>> images;  ///< those that can be used
   std::vector<size_t> image_numbers;  ///< number of the view of every image in `images`
   /// During a search: places where the robot may be, best first. Empty otherwise.
@@ -117,7 +124,7 @@ class LiveLocalizer {
   /// converged.
   bool agreesWith(const SearchReport& report) const;
   /// Adds a result to the proof of the pose. @return whether the pose is trusted
-  bool addToProof(double time, const LiveResult& result);
+  bool addToProof(double time, LiveResult* result);
   /// The mask of a view, lifted along model lines that the image shows under it.
   cv::Mat maskOf(size_t number, const LiveInput::CameraImage& view);
   void learnUnderMasks(const LiveInput& input, bool used);
@@ -127,11 +134,19 @@ class LiveLocalizer {
   /// Whether all data that were used agree with the pose.
   bool isConfirmed(const LiveResult& result) const;
   void judge(double time, bool trusted, bool used);
+  /// Moves all that is known of the pose by odometry, unless the image of the moment is skipped.
+  void follow(const LiveInput& input, double dt);
+  void predict(const OdometryStep& step);
+  /// Moves it without odometry. @param dt s
+  void predictBlindly(double dt);
+  /// The estimate, moved by the odometry since the last used image.
+  PoseGaussian presentPose() const;
 
   std::shared_ptr<const LocalizationMap> map_;
   TrackingParameters tracking_;
   PoseFilter filter_;
   PoseProof proof_;
+  PoseProbability probability_;
   MaskLifter mask_lifter_;
   std::optional<PoseGaussian> initial_;
   std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back
@@ -139,7 +154,7 @@ class LiveLocalizer {
   bool fresh_ = false;  // no moment since the pose was given
   std::optional<double> last_time_;
   double longest_interval_ = 0;  // longest recent time between moments, s; 0: not known
-  std::optional<Pose> last_odometry_;
+  OdometryTrack odometry_;
   std::optional<Pose> odometry_of_update_;  // odometry of the last moment whose images were used
   const bool search_in_background_;
   std::unique_ptr<PoseFinder> finder_;  // made at the first search

@@ -2,6 +2,14 @@
 
 namespace edge_mcl {
 
+namespace {
+
+/// A pose that is not doubtful is lost only after this many times `lost_after` without trust:
+/// images of a whole room should have confirmed it by then.
+constexpr double kPatience = 4;
+
+}  // namespace
+
 const char* nameOf(LocalizerState state) {
   switch (state) {
     case LocalizerState::kUninitialized:
@@ -38,7 +46,7 @@ void StateMachine::judge(const StateInput& input, double lost_after) {
   trusted_ = input.trusted;
   if (input.trusted)
     state_ = input.narrow ? LocalizerState::kTracking : LocalizerState::kConverging;
-  else if (timeWithoutTrust(input.time) >= lost_after)
+  else if (timeWithoutTrust(input.time) >= (input.doubtful ? 1 : kPatience) * lost_after)
     state_ = LocalizerState::kLost;
   else if (state_ == LocalizerState::kTracking ||
            (state_ == LocalizerState::kConverging && !input.used))

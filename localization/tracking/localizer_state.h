@@ -17,6 +17,8 @@ struct StateInput {
   bool used = false;     ///< the image was compared with the model
   bool trusted = false;  ///< the pose is proven, see PoseProof
   bool narrow = false;   ///< the covariance is below `tracking.converged_std_*`
+  /// The pose is more likely wrong than right, or no image tells.
+  bool doubtful = true;
 };
 
 /// Holds the state. Every transition is one of these calls.
@@ -27,9 +29,9 @@ struct StateInput {
 /// | `forgetPose` | any | searching |
 /// | `judge`, trusted and narrow | any but uninitialized, searching | tracking |
 /// | `judge`, trusted, not narrow | any but uninitialized, searching | converging |
-/// | `judge`, not trusted for `lost_after` | any but uninitialized, searching | lost |
-/// | `judge`, not trusted | tracking | degraded |
-/// | `judge`, not trusted, image not used | converging | degraded |
+/// | `judge`, not trusted for `lost_after` (not doubtful: four times as long) | any but
+/// uninitialized, searching | lost | | `judge`, not trusted | tracking | degraded | | `judge`, not
+/// trusted, image not used | converging | degraded |
 class StateMachine {
  public:
   LocalizerState state() const { return state_; }

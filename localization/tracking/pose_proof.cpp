@@ -93,7 +93,7 @@ void PoseProof::trust(const ImageVerdict& image, const PoseGaussian& estimate) {
 
 bool PoseProof::add(const ImageVerdict& image, const PoseGaussian& estimate) {
   if (!image.confirmed) {
-    doubts_ += image.used ? 1 : 0;
+    doubts_ += image.contradicts ? 1 : 0;
     needed_ = needed_ || doubts_ >= kDoubts;
     since_.reset();
     return false;

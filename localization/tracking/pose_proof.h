@@ -11,8 +11,9 @@ namespace edge_mcl {
 
 /// Result of comparing one image with the model at the pose.
 struct ImageVerdict {
-  double time = 0;         ///< s
-  bool used = false;       ///< the image was compared with the model
+  double time = 0;  ///< s
+  /// When it does not confirm the pose: it speaks against the pose, rather than telling little.
+  bool contradicts = false;
   bool confirmed = false;  ///< the image was used and fits
   double match_ratio = 1;  ///< share of the visible samples with an image edge in reach
   double lines = 0;        ///< model lines in view; 0: only depth was compared

@@ -25,6 +25,9 @@ std::shared_ptr<const LocalizationMap> loadMap(const std::string& file, const Pa
 /// Pairs of the same name in cfg/Localizer.cfg and in `tracking`.
 template <class F>
 void forEachAdjustable(LocalizerConfig* config, TrackingParameters* tracking, F f) {
+  f(config->min_probability, tracking->min_probability);
+  f(config->keep_probability, tracking->keep_probability);
+  f(config->lost_probability, tracking->lost_probability);
   f(config->min_match_ratio, tracking->min_match_ratio);
   f(config->min_evidence, tracking->min_evidence);
   f(config->min_depth_agreement, tracking->min_depth_agreement);
@@ -303,6 +306,7 @@ void LocalizerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("problem", last_result_.problem);
   status.add("seconds since the last image", silence);
   status.add("update ms", last_update_ms_);
+  status.add("probability", last_result_.probability);
   status.add("match ratio", last_result_.match_ratio);
   status.add("effective sample size", last_result_.report.effective_sample_size);
   status.add("visible lines", last_result_.report.visible_lines);

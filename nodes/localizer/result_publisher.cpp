@@ -95,6 +95,14 @@ void ResultPublisher::publishStatus(const LiveResult& result, const LiveLocalize
   status.problem = result.problem;
   status.backend = localizer.map().backend().name();
   const UpdateReport& r = result.report;
+  status.probability = static_cast<float>(result.probability);
+  status.contrast = static_cast<float>(r.contrast);
+  status.focal_error = static_cast<float>(r.focal_error);
+  status.centre_error = {static_cast<float>(r.centre_error.x()),
+                         static_cast<float>(r.centre_error.y())};
+  status.odometry_scale_error = static_cast<float>(result.odometry.scaleError());
+  status.odometry_turn_rate = static_cast<float>(result.odometry.turnRate().norm());
+  status.odometry_noise_factor = static_cast<float>(result.odometry.noiseFactor());
   status.effective_sample_size = static_cast<float>(r.effective_sample_size);
   status.match_ratio = static_cast<float>(result.match_ratio);
   status.evidence = static_cast<float>(r.evidence_per_line);

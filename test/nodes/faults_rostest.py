@@ -254,7 +254,7 @@ class Faults(FedLocalizer):
         self.begin()
         self.track(0, 8)
         before = client.get_configuration()
-        self.assertAlmostEqual(before['min_match_ratio'], 0.35)
+        self.assertAlmostEqual(before['min_match_ratio'], 0.1)
         client.update_configuration({'min_edge_pixels': 900000})
         status = self.send(8)
         self.assertIn('hardly any edges', status.problem)

@@ -79,6 +79,70 @@ TEST_F(LiveLocalizerTest, AtRestItStaysAsItIs) {
               LocalizerState::kTracking);
 }
 
+/// Rest adds no noise. After two minutes the first image that is used must find the pose where it
+/// was, and not one of the lines beside it.
+TEST_F(LiveLocalizerTest, RestDoesNotSpreadTheParticles) {
+  Parameters params = alone();
+  params.tracking.update_min_d = 0.2;
+  LiveLocalizer localizer = begun(params);
+  for (int i = 0; i < 1200; ++i) {
+    const LiveResult result = localizer.process(input(0.1 * i, here_));
+    ASSERT_EQ(result.state, LocalizerState::kTracking) << i;
+    ASSERT_LT(std::sqrt(result.estimate.covariance.diagonal().head<3>().maxCoeff()), 0.05) << i;
+  }
+  LiveInput used = input(120, here_);
+  used.force_update = true;
+  const LiveResult result = localizer.process(used);
+  EXPECT_TRUE(result.updated);
+  EXPECT_LT((result.estimate.mean.translation() - kView.translation()).norm(), 0.03);
+}
+
+/// Between used images the pose follows odometry.
+TEST_F(LiveLocalizerTest, WhileImagesAreSkippedThePoseMovesOn) {
+  Parameters params = alone();
+  params.tracking.update_min_d = 0.2;
+  LiveLocalizer localizer = begun(params);
+  const Pose before = localizer.process(input(0, here_)).estimate.mean;
+  for (int i = 1; i <= 3; ++i) {
+    Pose odometry = Pose::Identity();
+    odometry.translation().x() = 0.05 * i;
+    const LiveResult result = localizer.process(input(0.1 * i, elsewhere_, odometry));
+    EXPECT_FALSE(result.updated);
+    const Twist moved = logSe3(before.inverse() * result.estimate.mean);
+    EXPECT_NEAR(moved[0], 0.05 * i, 1e-6);
+  }
+}
+
+/// The image is dark, so only odometry moves the pose. One reading is missing: the next one
+/// contains its motion.
+TEST_F(LiveLocalizerTest, AMissingReadingOfOdometryLosesNoMotion) {
+  LiveLocalizer localizer = begun(alone());
+  const cv::Mat dark(here_.size(), here_.type(), cv::Scalar::all(0));
+  const Pose start = localizer.process(input(0, here_)).estimate.mean;
+  LiveResult result;
+  for (int i = 1; i <= 4; ++i) {
+    Pose odometry = Pose::Identity();
+    odometry.translation().x() = 0.1 * i;
+    LiveInput moment = input(0.1 * i, dark, odometry);
+    if (i == 2) moment.odometry.reset();
+    result = localizer.process(moment);
+  }
+  // The velocity before the gap moves the pose by a few millimetres.
+  EXPECT_NEAR(logSe3(start.inverse() * result.estimate.mean)[0], 0.4, 0.02);
+}
+
+/// The probability says what the state says.
+TEST_F(LiveLocalizerTest, TheProbabilityFollowsTheImages) {
+  LiveLocalizer localizer = begun(alone());
+  LiveResult result;
+  for (int i = 0; i < 20; ++i) result = localizer.process(input(0.1 * i, here_));
+  EXPECT_EQ(result.state, LocalizerState::kTracking);
+  EXPECT_GT(result.probability, 0.9);
+  for (int i = 20; i < 60; ++i) result = localizer.process(input(0.1 * i, elsewhere_));
+  EXPECT_EQ(result.state, LocalizerState::kLost);
+  EXPECT_LT(result.probability, 0.2);
+}
+
 TEST_F(LiveLocalizerTest, AfterAGapOneImageProvesNothing) {
   LiveLocalizer localizer = begun(alone());
   double time = 0;

@@ -57,6 +57,18 @@ TEST(StateMachine, AGivenPoseConvergesFromEveryState) {
   }
 }
 
+/// A pose that is likely right is lost later than a doubtful one.
+TEST(StateMachine, ALikelyPoseIsLostLater) {
+  StateMachine m = machineIn(LocalizerState::kTracking);
+  StateInput likely{2 * kLostAfter, true, false, true};
+  likely.doubtful = false;
+  m.judge(likely, kLostAfter);
+  EXPECT_EQ(m.state(), LocalizerState::kDegraded);
+  likely.time = 5 * kLostAfter;
+  m.judge(likely, kLostAfter);
+  EXPECT_EQ(m.state(), LocalizerState::kLost);
+}
+
 TEST(StateMachine, ATrustedPoseTracksWhenItIsNarrow) {
   for (const LocalizerState state : kWithPose) {
     StateMachine m = machineIn(state);

@@ -1,0 +1,115 @@
+#include "edge_mcl/localization/tracking/pose_probability.h"
+
+#include <gtest/gtest.h>
+
+namespace edge_mcl {
+namespace {
+
+UpdateReport edges(double contrast, double lines) {
+  UpdateReport report;
+  report.has_information = true;
+  report.contrast = contrast;
+  report.visible_lines = lines;
+  return report;
+}
+
+TEST(LogOdds, GrowWithContrastAndLines) {
+  EXPECT_LT(oddsOf(edges(4, 30))->log_odds, oddsOf(edges(8, 30))->log_odds);
+  EXPECT_LT(oddsOf(edges(8, 3))->log_odds, oddsOf(edges(8, 30))->log_odds);
+}
+
+/// A pose that fits by chance has a contrast of about 4, a right one 7 or more.
+TEST(LogOdds, OfAChanceFitSpeakAgainstThePose) {
+  EXPECT_LT(oddsOf(edges(4, 60))->log_odds, -2);
+  EXPECT_GT(oddsOf(edges(10, 60))->log_odds, 2);
+}
+
+TEST(LogOdds, AreFiniteForAnyContrast) {
+  for (const double contrast : {-100.0, 0.0, 1e9})
+    for (const double lines : {0.01, 1e6})
+      EXPECT_LE(std::abs(oddsOf(edges(contrast, lines))->log_odds), 8);
+}
+
+TEST(LogOdds, WithoutInformationThereAreNone) { EXPECT_FALSE(oddsOf(UpdateReport())); }
+
+TEST(LogOdds, OfDepthFollowTheAgreement) {
+  UpdateReport report;
+  report.has_information = true;
+  report.depth_points = 500;
+  report.depth_agreement = 0.9;
+  EXPECT_GT(oddsOf(report)->log_odds, 3);
+  report.depth_agreement = 0.1;
+  EXPECT_LT(oddsOf(report)->log_odds, 0);
+}
+
+/// All data that were used must agree with the pose.
+TEST(LogOdds, OfBothCuesAreTheLowerOnes) {
+  UpdateReport report = edges(12, 60);
+  report.depth_points = 500;
+  report.depth_agreement = 0.1;
+  EXPECT_LT(oddsOf(report)->log_odds, 0);
+}
+
+TEST(PoseProbability, OneImageDoesNotProveAPose) {
+  PoseProbability p;
+  p.begin(false);
+  p.add(0, {2.0, 1});
+  EXPECT_LT(p.value(), 0.8);
+  for (int k = 1; k < 20; ++k) p.add(0.1 * k, {2.0, 1});
+  EXPECT_GT(p.value(), 0.9);
+}
+
+/// The same second of images counts the same at 10 and at 60 images a second.
+TEST(PoseProbability, DoesNotDependOnTheRateOfImages) {
+  PoseProbability slow, fast;
+  slow.begin(false);
+  fast.begin(false);
+  for (int k = 0; k <= 30; ++k) slow.add(0.1 * k, {3.0, 1});
+  for (int k = 0; k <= 180; ++k) fast.add(k / 60.0, {3.0, 1});
+  EXPECT_NEAR(slow.value(), fast.value(), 0.02);
+}
+
+/// A bare wall says little: it neither proves a pose nor takes the trust in it away.
+TEST(PoseProbability, ImagesWithFewLinesSayLittle) {
+  EXPECT_LT(oddsOf(edges(5, 2))->weight, 0.3);
+  EXPECT_EQ(oddsOf(edges(5, 40))->weight, 1);
+  PoseProbability p;
+  p.begin(false);
+  p.add(0, {4, 0.2});
+  EXPECT_LT(p.value(), 0.8);
+  for (int k = 1; k < 30; ++k) p.add(0.1 * k, {6, 1});
+  for (int k = 30; k < 33; ++k) p.add(0.1 * k, {-3, 0.2});
+  EXPECT_GT(p.value(), 0.9);
+}
+
+TEST(PoseProbability, APoseThatTheSearchHasProvenIsTrusted) {
+  PoseProbability p;
+  p.begin(true);
+  EXPECT_GT(p.value(), 0.9);
+}
+
+TEST(PoseProbability, OneImageCanCastDoubt) {
+  PoseProbability p;
+  p.begin(false);
+  for (int k = 0; k < 30; ++k) p.add(0.1 * k, {6.0, 1});
+  EXPECT_GT(p.value(), 0.99);
+  p.add(3, {-6.0, 1});
+  EXPECT_LT(p.value(), 0.05);
+  p.add(3.1, {6.0, 1});
+  EXPECT_GT(p.value(), 0.9);
+}
+
+TEST(PoseProbability, WithoutImagesItIsForgotten) {
+  PoseProbability p;
+  p.begin(false);
+  for (int k = 0; k < 30; ++k) p.add(0.1 * k, {6.0, 1});
+  p.wait(3);
+  const double before = p.value();
+  p.wait(6);
+  p.wait(20);
+  EXPECT_LT(p.value(), before);
+  EXPECT_LT(p.value(), 0.5);
+}
+
+}  // namespace
+}  // namespace edge_mcl
