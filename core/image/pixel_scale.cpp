@@ -8,7 +8,7 @@ namespace edge_mcl {
 double pixelScale(const ImageParameters& image, cv::Size size) {
   constexpr double kLeast = 0.5, kMost = 4;
   if (!(image.reference_width > 0) || size.area() <= 0) return 1;
-  const double reference = image.reference_width * image.reference_width * 3 / 4;
+  const double width = image.reference_width, reference = 0.75 * width * width;
   return std::clamp(std::sqrt(static_cast<double>(size.area()) / reference), kLeast, kMost);
 }
 

@@ -17,9 +17,8 @@ namespace edge_mcl {
 
 namespace {
 
-/// Longest time without a trusted pose, or without images, after which one image that fits is
-/// enough. After a longer time odometry may have drifted (0.1 m/s is not rare) to a pose where an
-/// image fits one shelf beside the true pose.
+/// After a longer time without a trusted pose or without images, one image that fits is not enough:
+/// odometry may have drifted (0.1 m/s is not rare) to where an image fits one shelf aside.
 constexpr double kBlindly = 3;  // s
 
 }  // namespace
@@ -421,7 +420,8 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     if (result->updated) odometry_of_update_ = input.odometry;
     trusted = addToProof(input.time, result);
     const bool confirmed = isConfirmed(*result);
-    if (result->updated && !confirmed && problem.empty())
+    const bool unlikely = probability_.value() < tracking_.keep_probability;
+    if (result->updated && !confirmed && unlikely && problem.empty())
       problem = "the image does not confirm the pose";
     judge(input.time, trusted, result->updated);
     if (result->updated)
