@@ -99,7 +99,7 @@ struct PoseRefiner::Step {
 struct PoseRefiner::Match {
   Twist row;  ///< derivative of the offset along the normal by the pose of the camera
   Eigen::Vector2d pixel, normal;
-  double residual, weight, depth;
+  double residual, weight;
 };
 
 PoseRefiner::Outcome PoseRefiner::match(const RefinementView& view,
@@ -123,7 +123,6 @@ PoseRefiner::Outcome PoseRefiner::match(const RefinementView& view,
   // row = normal^T * pixelJacobian()
   const Eigen::Vector3d along = projection.transpose() * match->normal;
   match->row << -along, along.cross(p);
-  match->depth = p.z();
   // The prior limits the distance of the edge along this normal (active search).
   double length = step.search_length;
   if (step.has_prior) {

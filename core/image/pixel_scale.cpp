@@ -22,11 +22,10 @@ int rounded(double scale, int length, int least, int most) {
 }  // namespace
 
 ImageParameters scaledBy(double scale, ImageParameters image) {
-  // With more starts than this, every second pixel would be an edge.
+  // Twice the default at half the width, and some room for more.
   constexpr double kLargestShare = 0.3;
   image.blur_sigma = std::min(scale * image.blur_sigma, 19.0);
-  if (scale > 1 || image.edge_share < kLargestShare)
-    image.edge_share = std::min(image.edge_share / scale, scale > 1 ? 1 : kLargestShare);
+  image.edge_share = std::min(image.edge_share / scale, std::max(image.edge_share, kLargestShare));
   image.min_segment_length *= scale;
   image.mask_dilation = rounded(scale, image.mask_dilation, 0, 100);
   image.search_length = rounded(scale, image.search_length, 2, 200);

@@ -14,8 +14,6 @@ namespace edge_mcl {
 /// navigation", 2001, section 5.4).
 class OdometryCalibration {
  public:
-  /// Forgets everything: the odometry is right, and its noise is as the parameters say.
-  void reset() { *this = {}; }
   /// The increment without the known errors. @param dt its duration, s
   Pose corrected(const Pose& increment, double dt) const;
   /// Learns from one step.

@@ -35,7 +35,7 @@ void LiveLocalizer::begin() {
   initial_ = filter_.estimate();
   states_.givePose();
   fresh_ = true;
-  odometry_.endWaiting();
+  odometry_.interrupt();
   odometry_of_update_.reset();
   searching_ = false;
   mask_lifter_.forget();
@@ -166,7 +166,6 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
   // A pose that was just given holds for the first moment after it and is not predicted.
   if (last_time_ && !result->restarted) {
     const double dt = input.time - *last_time_;
-    result->step_time = dt;
     // In a long time without images anything may have happened. But a camera may also be slow, or
     // send its images in bursts, so the time is compared with earlier ones.
     const bool is_gap = longest_interval_ > 0 && dt > kBlindly && dt > 3 * longest_interval_;
@@ -387,16 +386,16 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
     return result;
   }
   const Pose before = filter_.estimate().mean;
+  const double step_time = last_time_ ? input.time - *last_time_ : 0;
   try {
     if (advanceTo(input, &result)) processImages(input, &result);
   } catch (const Error& e) {
     result.problem = e.what();
   }
-  if (result.relocalized || result.restarted)
-    odometry_.forgetReading();  // the estimate jumped; the next reading tells where from
+  if (!input.odometry && (result.relocalized || result.restarted))
+    odometry_.forgetReading();  // the estimate has jumped
   else if (!input.odometry && !result.late)
-    odometry_.carry(before.inverse() * filter_.estimate().mean, result.step_time,
-                    tracking_.max_gap);
+    odometry_.carry(before.inverse() * filter_.estimate().mean, step_time, tracking_.max_gap);
   result.state = state();
   result.estimate = presentPose();
   if (isInitialized()) result.probability = probability_.value();

@@ -47,7 +47,6 @@ struct LiveResult {
   LocalizerState state = LocalizerState::kUninitialized;
   std::string problem;     ///< a fault, in one line; empty: no fault
   bool updated = false;    ///< the images were used
-  double step_time = 0;    ///< time since the last moment, s
   bool late = false;       ///< the moment is older than the last one and was not used
   bool restarted = false;  ///< the clock jumped back; localization or search began again
   PoseGaussian estimate;   ///< T_map_base at this moment

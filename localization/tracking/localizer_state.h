@@ -17,7 +17,7 @@ struct StateInput {
   bool used = false;     ///< the image was compared with the model
   bool trusted = false;  ///< the pose is proven, see PoseProof
   bool narrow = false;   ///< the covariance is below `tracking.converged_std_*`
-  /// The pose is more likely wrong than right, or no image tells.
+  /// The probability is below `tracking.lost_probability`, or the image was not used.
   bool doubtful = true;
 };
 
@@ -29,9 +29,11 @@ struct StateInput {
 /// | `forgetPose` | any | searching |
 /// | `judge`, trusted and narrow | any but uninitialized, searching | tracking |
 /// | `judge`, trusted, not narrow | any but uninitialized, searching | converging |
-/// | `judge`, not trusted for `lost_after` (not doubtful: four times as long) | any but
-/// uninitialized, searching | lost | | `judge`, not trusted | tracking | degraded | | `judge`, not
-/// trusted, image not used | converging | degraded |
+/// | `judge`, not trusted for too long | any but uninitialized, searching | lost |
+/// | `judge`, not trusted | tracking | degraded |
+/// | `judge`, not trusted, image not used | converging | degraded |
+///
+/// Too long is `lost_after` for a doubtful pose and four times as long for another.
 class StateMachine {
  public:
   LocalizerState state() const { return state_; }

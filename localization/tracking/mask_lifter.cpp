@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "edge_mcl/core/image/pixel_scale.h"
+
 namespace edge_mcl {
 
 namespace {
@@ -21,7 +23,8 @@ std::vector<LineUnderMask> linesUnder(const cv::Mat& mask, const EdgePixels& edg
                                       const LocalizationMap& map, const CameraModel& camera,
                                       const Pose& T_map_camera, double sigmas) {
   const Parameters& p = map.params();
-  const EdgeReach reach = {sigmas * p.likelihood.sigma,
+  const double sigma = pixelScale(p.image, mask.size()) * p.likelihood.sigma;
+  const EdgeReach reach = {sigmas * sigma,
                            std::cos(p.image.orientation_tolerance_deg * M_PI / 180)};
   const Visibility& visibility = map.visibility();
   return linesUnderMask(mask, edges,
@@ -40,12 +43,14 @@ cv::Mat MaskLifter::lift(size_t view, const LocalizationMap& map, const CameraMo
     return mask;
   }
   const Parameters& p = map.params();
+  const double scale = pixelScale(p.image, image.size());
+  const ImageParameters of_image = scaledBy(scale, p.image);
   memory.last =
-      Seen{camera, mask.clone(), EdgePixels(findEdges(image, cv::Mat(), p.image, "image"))};
+      Seen{camera, mask.clone(), EdgePixels(findEdges(image, cv::Mat(), of_image, "image"))};
   if (memory.confirmed.empty()) return mask;
   // The mask is dilated again later. The score of a sample depends on distances up to about four
   // sigma, so the image must be free of the mask that far from the line.
-  const double band = 4 * p.likelihood.sigma + p.image.mask_dilation;
+  const double band = 4 * scale * p.likelihood.sigma + of_image.mask_dilation;
   cv::Mat lifted = mask;
   for (const LineUnderMask& line :
        linesUnder(mask, memory.last->edges, map, camera, T_map_camera, 2)) {

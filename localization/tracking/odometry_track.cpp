@@ -66,6 +66,12 @@ void OdometryTrack::endWaiting() {
   waiting_time_ = 0;
 }
 
+void OdometryTrack::interrupt() {
+  waiting_ = Pose::Identity();
+  waiting_time_ = 0;
+  since_update_.reset();
+}
+
 void OdometryTrack::update(const UpdateReport& report, bool trusted) {
   if (trusted && since_update_ && params_.learn_odometry)
     calibration_.learn(*since_update_, time_since_update_, report.innovation, noise_since_update_,

@@ -44,8 +44,9 @@ class OdometryTrack {
 
   /// Learns from an update. @param trusted false: the motion is forgotten
   void update(const UpdateReport& report, bool trusted);
-  /// A step without odometry: nothing can be learnt from the next update.
-  void interrupt() { since_update_.reset(); }
+  /// The pose has moved without odometry, or was given anew: waiting motion is forgotten, and the
+  /// next update teaches nothing.
+  void interrupt();
   const OdometryCalibration& calibration() const { return calibration_; }
 
  private:

@@ -131,6 +131,20 @@ TEST_F(LiveLocalizerTest, AMissingReadingOfOdometryLosesNoMotion) {
   EXPECT_NEAR(logSe3(start.inverse() * result.estimate.mean)[0], 0.4, 0.02);
 }
 
+/// After the clock jumped back the pose is the given one, and odometry moves it from the next
+/// moment on.
+TEST_F(LiveLocalizerTest, AfterARestartOdometryGoesOn) {
+  LiveLocalizer localizer = begun(alone());
+  const cv::Mat dark(here_.size(), here_.type(), cv::Scalar::all(0));
+  localizer.process(input(100, here_));
+  const LiveResult restarted = localizer.process(input(1, dark));
+  ASSERT_TRUE(restarted.restarted);
+  Pose odometry = Pose::Identity();
+  odometry.translation().x() = 0.1;
+  const LiveResult next = localizer.process(input(1.1, dark, odometry));
+  EXPECT_NEAR(logSe3(restarted.estimate.mean.inverse() * next.estimate.mean)[0], 0.1, 1e-6);
+}
+
 /// The probability says what the state says.
 TEST_F(LiveLocalizerTest, TheProbabilityFollowsTheImages) {
   LiveLocalizer localizer = begun(alone());

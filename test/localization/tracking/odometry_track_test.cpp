@@ -57,6 +57,21 @@ TEST(OdometryTrack, RestAddsNoNoise) {
   EXPECT_LT((track.waited().sigma - odometryNoise(params, Pose::Identity(), 0.1)).norm(), 1e-9);
 }
 
+/// A robot was carried: odometry before the new pose teaches nothing.
+TEST(OdometryTrack, MotionBeforeANewPoseTeachesNothing) {
+  OdometryTrack track{FilterParameters()};
+  UpdateReport report;
+  report.innovation_of_images = 1e-6 * Matrix6::Identity();
+  track.update(report, true);
+  track.wait(at(0.2), 0.1);
+  track.interrupt();
+  EXPECT_FALSE(track.isWaiting());
+  report.innovation[0] = -0.1;
+  track.update(report, true);
+  EXPECT_EQ(track.calibration().scaleError(), 0);
+  EXPECT_EQ(track.calibration().noiseFactor(), 1);
+}
+
 /// The images say that every step was 10 % longer than reported.
 TEST(OdometryTrack, LearnsOnlyFromTrustedUpdates) {
   const auto scaleAfter = [](bool trusted) {

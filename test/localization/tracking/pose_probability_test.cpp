@@ -59,8 +59,8 @@ TEST(PoseProbability, OneImageDoesNotProveAPose) {
   EXPECT_GT(p.value(), 0.9);
 }
 
-/// The same second of images counts the same at 10 and at 60 images a second.
-TEST(PoseProbability, DoesNotDependOnTheRateOfImages) {
+/// After some seconds the rate of images makes no difference. A fast camera gets there earlier.
+TEST(PoseProbability, SettlesAtTheSameValueAtAnyRate) {
   PoseProbability slow, fast;
   slow.begin(false);
   fast.begin(false);
