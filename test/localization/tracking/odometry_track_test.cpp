@@ -64,6 +64,8 @@ TEST(OdometryTrack, MotionBeforeANewPoseTeachesNothing) {
   report.innovation_of_images = 1e-6 * Matrix6::Identity();
   track.update(report, true);
   track.wait(at(0.2), 0.1);
+  track.endWaiting();
+  track.wait(at(0.1), 0.1);
   track.interrupt();
   EXPECT_FALSE(track.isWaiting());
   report.innovation[0] = -0.1;
