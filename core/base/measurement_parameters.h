@@ -70,6 +70,7 @@ struct ImageParameters {
   double edge_share = 0.08;
   double noise_factor = 4.0;
   double hysteresis = 0.4;
+  int contrast_window = 88;
   bool straight_segments = false;
   double min_segment_length = 20;
   int mask_dilation = 5;
@@ -89,6 +90,9 @@ struct ImageParameters {
       "the gradient of an edge exceeds the image noise by this factor");
     v("hysteresis", hysteresis, "", above(0, 1),
       "threshold to continue an edge, as a fraction of the threshold to start one");
+    v("contrast_window", contrast_window, "px", from(0, 2000),
+      "side of the window in which a dull part of the image gets a lower threshold; 0 = one "
+      "threshold for the whole image");
     v("straight_segments", straight_segments, "", anyValue(),
       "only edge pixels on straight segments are used");
     v("min_segment_length", min_segment_length, "px", positive(), "shortest straight segment");
@@ -103,8 +107,10 @@ struct ImageParameters {
     v("clutter_window", clutter_window, "px", from(16, 2000),
       "robust model: side of the window in which the density of image edges is measured");
     v("reference_width", reference_width, "px", from(0, 100000),
-      "all lengths in pixels (groups image, likelihood, refinement) hold for 4:3 images of this "
-      "width and are scaled for images of another size; 0 = they hold for every image");
+      "all lengths in pixels (image, likelihood, refinement, tracking.min_edge_pixels) hold for "
+      "4:3 "
+      "images of this width and are scaled for images of another size; 0 = they hold for every "
+      "image");
   }
 };
 

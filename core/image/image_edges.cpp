@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/image/edge_thresholds.h"
+#include "edge_mcl/core/image/edge_tracing.h"
 
 namespace edge_mcl {
 
@@ -36,35 +38,6 @@ double magnitudeAt(const EdgeImage& image, double x, double y) {
   };
   const double fy = y - y0;
   return (1 - fy) * row(y0) + fy * row(y0 + 1);
-}
-
-/// Strong threshold from every third pixel of every third row outside the mask.
-double strongThreshold(const EdgeImage& image, const ImageParameters& params) {
-  std::vector<uint32_t> squares;  // squares of the magnitudes, which are exact
-  squares.reserve(image.grey.total() / 9 + 1);
-  for (int y = 1; y < image.height(); y += 3)
-    for (int x = 1; x < image.width(); x += 3) {
-      if (!image.ignore.empty() && image.ignore.at<uint8_t>(y, x)) continue;
-      const int gx = image.gradient_x.at<int16_t>(y, x), gy = image.gradient_y.at<int16_t>(y, x);
-      squares.push_back(static_cast<uint32_t>(gx * gx + gy * gy));
-    }
-  if (squares.empty()) return EdgeImage::kLeastThreshold;
-  auto sorted_below = squares.begin();   // no element from here on is smaller than one before
-  const auto quantile = [&](double q) {  // calls need growing q
-    const auto nth =
-        squares.begin() + static_cast<long>(q * static_cast<double>(squares.size() - 1));
-    std::nth_element(sorted_below, nth, squares.end());
-    sorted_below = nth;
-    return std::sqrt(static_cast<double>(*nth));
-  };
-  // The magnitude of Gaussian noise has a Rayleigh distribution, with a median of 1.177 sigma. The
-  // lower quartile (0.759 sigma) is still noise when texture fills half of the image.
-  const bool edges_are_few = params.edge_share <= 0.75;
-  const double first = quantile(edges_are_few ? 0.25 : 1 - params.edge_share);
-  const double second = quantile(edges_are_few ? 1 - params.edge_share : 0.25);
-  const double noise = (edges_are_few ? first : second) / 0.759;
-  return std::max(
-      {EdgeImage::kLeastThreshold, edges_are_few ? second : first, params.noise_factor * noise});
 }
 
 /// Removes edges that are not on a straight segment of at least `min_length` pixels.
@@ -176,9 +149,10 @@ EdgeImage findEdgesOf(const cv::Mat& grey, const cv::Mat& ignore, const ImagePar
   smooth(params.blur_sigma, &smoothed);
   cv::Scharr(smoothed, result.gradient_x, CV_16S, 1, 0, 1, 0, cv::BORDER_REPLICATE);
   cv::Scharr(smoothed, result.gradient_y, CV_16S, 0, 1, 1, 0, cv::BORDER_REPLICATE);
-  result.strong_threshold = strongThreshold(result, params);
-  cv::Canny(result.gradient_x, result.gradient_y, result.edges,
-            params.hysteresis * result.strong_threshold, result.strong_threshold, true);
+  const EdgeThresholds thresholds(result.gradient_x, result.gradient_y, ignore, params,
+                                  EdgeImage::kLeastThreshold);
+  result.strong_threshold = thresholds.strong();
+  result.edges = traceEdges(result.gradient_x, result.gradient_y, thresholds);
   if (params.straight_segments) keepStraightSegments(&result, params.min_segment_length);
   if (!result.ignore.empty()) result.edges.setTo(0, result.ignore);
   return result;

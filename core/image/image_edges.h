@@ -19,10 +19,11 @@ struct EdgeImage {
   static constexpr int kGradientScale = 8;
   /// Lower limit of the strong threshold: about one and a half grey levels across an edge.
   static constexpr double kLeastThreshold = 24 * kGradientScale;
-  cv::Mat gradient_x;           ///< CV_16S, Scharr derivative times kGradientScale
-  cv::Mat gradient_y;           ///< CV_16S
-  cv::Mat ignore;               ///< CV_8U, 255 = ignored, after dilation; empty without a mask
-  double strong_threshold = 0;  ///< gradient magnitude at which an edge starts
+  cv::Mat gradient_x;  ///< CV_16S, Scharr derivative times kGradientScale
+  cv::Mat gradient_y;  ///< CV_16S
+  cv::Mat ignore;      ///< CV_8U, 255 = ignored, after dilation; empty without a mask
+  /// Gradient magnitude at which an edge starts where the image has its full contrast.
+  double strong_threshold = 0;
 
   int width() const { return grey.cols; }
   int height() const { return grey.rows; }
@@ -62,7 +63,7 @@ EdgeImage findEdgesOf(const cv::Mat& grey, const cv::Mat& ignore, const ImagePar
 
 /// Finds the edges of an image. The strong threshold is the gradient magnitude that a share
 /// `edge_share` of the pixels exceeds. So it follows the exposure. It is at least `noise_factor`
-/// times the noise of the image.
+/// times the noise of the image. Dull parts of the image have a lower one, see EdgeThresholds.
 /// @param mask CV_8U, non-zero = ignore; empty: no mask.
 /// @throws InputError when the size or type of image or mask is wrong.
 EdgeImage findEdges(const cv::Mat& image, const cv::Mat& mask, const ImageParameters& params,

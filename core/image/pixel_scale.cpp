@@ -29,6 +29,7 @@ ImageParameters scaledBy(double scale, ImageParameters image) {
   image.min_segment_length *= scale;
   image.mask_dilation = rounded(scale, image.mask_dilation, 0, 100);
   image.search_length = rounded(scale, image.search_length, 2, 200);
+  image.contrast_window = rounded(scale, image.contrast_window, 0, 2000);
   image.clutter_window = rounded(scale, image.clutter_window, 16, 2000);
   return image;
 }

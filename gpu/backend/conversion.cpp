@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "edge_mcl/core/image/edge_field.h"
+#include "edge_mcl/core/image/edge_thresholds.h"
 #include "edge_mcl/core/image/image_edges.h"
 
 namespace edge_mcl::gpu {
@@ -91,6 +92,10 @@ TableRecipe recipeOf(int width, int height, const ImageParameters& params,
   w.noise_factor = params.noise_factor;
   w.hysteresis = params.hysteresis;
   w.least_threshold = EdgeImage::kLeastThreshold;
+  static_assert(kSquareLevels == EdgeThresholds::kLevels);
+  w.tile = EdgeThresholds::tileOf(params);
+  w.tile_columns = w.tile > 0 ? (width + w.tile - 1) / w.tile : 1;
+  w.tile_rows = w.tile > 0 ? (height + w.tile - 1) / w.tile : 1;
   for (int b = 0; b < w.bins; ++b) {
     const SearchGeometry::Walk& walk = search.walk(b);
     recipe.directions.push_back({walk.du, walk.dv, walk.transposed, search.noEdge(b)});

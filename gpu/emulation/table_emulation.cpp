@@ -10,7 +10,8 @@ struct Buffers {
   std::vector<uint8_t> grey, ignore, strong, level, codes;
   std::vector<int16_t> smooth, gradient_x, gradient_y;
   std::vector<uint32_t> sampled, match, hit;
-  std::vector<int32_t> threshold, parent, count, usable;
+  std::vector<int32_t> sampled_count, threshold, parent, count, usable;
+  std::vector<double> limits;
   std::vector<Quad> quads;
 };
 
@@ -28,15 +29,25 @@ void forPixels(const PictureWork& w, F&& body) {
     for (int x = 0; x < w.width; ++x) body(w, x, y);
 }
 
-void selectThresholds(const PictureWork& w) {
+void selectLimits(const PictureWork& w) {
   std::vector<uint32_t> squares;
   for (size_t i = 0; i < sampledOf(w); ++i)
     if (w.sampled[i] != kIgnoredSample) squares.push_back(w.sampled[i]);
   std::sort(squares.begin(), squares.end());
   const auto n = static_cast<uint32_t>(squares.size());
-  if (n == 0) return setThresholds(w, 0, 0, 0);
+  if (n == 0) return setLimits(w, 0, 0, 0);
   const QuantileRanks ranks = quantileRanks(w, n);
-  setThresholds(w, n, squares[ranks.noise], squares[ranks.edges]);
+  setLimits(w, n, squares[ranks.noise], squares[ranks.edges]);
+}
+
+void setThresholds(const PictureWork& w) {
+  if (w.tile == 0) return setThresholds(w, 0, nullptr);
+  for (int tile = 0; tile < tilesOf(w); ++tile) {
+    int32_t around[kSquareLevels];
+    for (int level = 0; level < kSquareLevels; ++level)
+      around[level] = samplesAround(w, tile % w.tile_columns, tile / w.tile_columns, level);
+    setThresholds(w, tile, around);
+  }
 }
 
 /// Codes the pixels of a bin word by word, along all pixel lines.
@@ -73,7 +84,10 @@ std::vector<Quad> emulateTable(const TableRecipe& recipe, const PictureData& pic
   for (auto* v : {&b.smooth, &b.gradient_x, &b.gradient_y}) v->resize(pixels);
   for (auto* v : {&b.match, &b.hit}) v->resize(pixels);
   b.sampled.assign(sampledOf(w), kIgnoredSample);
-  b.threshold.resize(2);
+  const auto tiles = static_cast<size_t>(tilesOf(w));
+  b.sampled_count.resize(tiles * kSquareLevels);
+  b.limits.resize(2);
+  b.threshold.resize(2 * tiles);
   b.parent.resize(pixels);
   b.count.resize(bins * cells);
   b.usable.resize(cells);
@@ -88,6 +102,8 @@ std::vector<Quad> emulateTable(const TableRecipe& recipe, const PictureData& pic
   w.gradient_x = b.gradient_x.data();
   w.gradient_y = b.gradient_y.data();
   w.sampled = b.sampled.data();
+  w.sampled_count = b.sampled_count.data();
+  w.limits = b.limits.data();
   w.threshold = b.threshold.data();
   w.parent = b.parent.data();
   w.strong = b.strong.data();
@@ -101,7 +117,8 @@ std::vector<Quad> emulateTable(const TableRecipe& recipe, const PictureData& pic
 
   forPixels(w, smoothPixel);
   forPixels(w, gradientOfPixel);
-  selectThresholds(w);
+  selectLimits(w);
+  setThresholds(w);
   forPixels(w, [](const PictureWork& p, int x, int y) {
     const int32_t at = y * p.width + x;
     p.parent[at] = isCandidate(p, x, y) ? at : -1;

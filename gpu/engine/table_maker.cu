@@ -213,7 +213,10 @@ void TableMaker::prepare(const TableRecipe& recipe) {
   picture_.resize(2 * pixels);
   gradients_.resize(3 * pixels);
   sampled_.resize(sampledOf(work_));
-  threshold_.resize(2);
+  const auto tiles = static_cast<size_t>(tilesOf(work_));
+  sampled_count_.resize(tiles * kSquareLevels);
+  limits_.resize(2);
+  threshold_.resize(2 * tiles);
   parent_.resize(pixels);
   strong_.resize(pixels);
   matches_.resize(2 * pixels);
@@ -231,6 +234,8 @@ void TableMaker::prepare(const TableRecipe& recipe) {
   w.gradient_x = gradients_.data() + pixels;
   w.gradient_y = gradients_.data() + 2 * pixels;
   w.sampled = sampled_.data();
+  w.sampled_count = sampled_count_.data();
+  w.limits = limits_.data();
   w.threshold = threshold_.data();
   w.parent = parent_.data();
   w.strong = strong_.data();
@@ -268,7 +273,8 @@ void TableMaker::make(const TableRecipe& recipe, const PictureData& picture,
   const dim3 block(kBlockX, kBlockY), per_pixel = blocksFor(w.width, w.height);
   smoothPixelKernel<<<per_pixel, block, 0, stream>>>(w);
   gradientOfPixelKernel<<<per_pixel, block, 0, stream>>>(w);
-  selectThresholdsKernel<<<1, kSelectThreads, 0, stream>>>(w, static_cast<uint32_t>(sampledOf(w)));
+  selectLimitsKernel<<<1, kSelectThreads, 0, stream>>>(w, static_cast<uint32_t>(sampledOf(w)));
+  setThresholdsKernel<<<tilesOf(w), kSquareLevels, 0, stream>>>(w);
   connectTileKernel<<<dim3((w.width + kTileX - 1) / kTileX, (w.height + kTileY - 1) / kTileY),
                       dim3(kTileX, kTileY), 0, stream>>>(w);
   connectBordersKernel<<<per_pixel, block, 0, stream>>>(w);
@@ -303,7 +309,8 @@ size_t TableMaker::bytes() const {
   return directions_.bytes() + shifts_.bytes() + threshold_.bytes() + parent_.bytes() +
          level_codes_.bytes() + picture_.bytes() + strong_.bytes() + level_.bytes() +
          codes_.bytes() + level_borders_.bytes() + count_.bytes() + usable_.bytes() +
-         gradients_.bytes() + sampled_.bytes() + matches_.bytes();
+         gradients_.bytes() + sampled_.bytes() + sampled_count_.bytes() + limits_.bytes() +
+         matches_.bytes();
 }
 
 }  // namespace edge_mcl::gpu

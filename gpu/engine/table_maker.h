@@ -31,7 +31,8 @@ class TableMaker {
   Event copied_;  ///< after it the staging memory may be written again
   PinnedArray<uint8_t> staging_;
   DeviceArray<DirectionBin> directions_;
-  DeviceArray<int32_t> shifts_, threshold_, parent_, count_, usable_;
+  DeviceArray<int32_t> shifts_, sampled_count_, threshold_, parent_, count_, usable_;
+  DeviceArray<double> limits_;
   DeviceArray<uint8_t> level_codes_, picture_, strong_, level_, codes_;
   DeviceArray<float> level_borders_;
   DeviceArray<int16_t> gradients_;  ///< PictureWork::smooth, then both gradients

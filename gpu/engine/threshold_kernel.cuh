@@ -103,7 +103,7 @@ __device__ void clearHistograms(uint32_t (*histogram)[kPlaces]) {
 }
 
 __global__ void __launch_bounds__(kSelectThreads)
-    selectThresholdsKernel(const PictureWork w, uint32_t samples) {
+    selectLimitsKernel(const PictureWork w, uint32_t samples) {
   __shared__ uint32_t histogram[2][kPlaces];
   __shared__ Selection selection[2];
   __shared__ uint32_t count;
@@ -126,7 +126,7 @@ __global__ void __launch_bounds__(kSelectThreads)
   if (own > 0) atomicAdd(&count, own);
   __syncthreads();
   if (count == 0) {
-    if (threadIdx.x == 0) setThresholds(w, 0, 0, 0);
+    if (threadIdx.x == 0) setLimits(w, 0, 0, 0);
     return;
   }
   const QuantileRanks ranks = quantileRanks(w, count);
@@ -162,7 +162,17 @@ __global__ void __launch_bounds__(kSelectThreads)
     }
     __syncthreads();
   }
-  if (threadIdx.x == 0) setThresholds(w, count, selection[0].prefix, selection[1].prefix);
+  if (threadIdx.x == 0) setLimits(w, count, selection[0].prefix, selection[1].prefix);
+}
+
+/// Sets the thresholds of the tiles, a block for every tile.
+__global__ void __launch_bounds__(kSquareLevels) setThresholdsKernel(const PictureWork w) {
+  __shared__ int32_t around[kSquareLevels];
+  const int tile = blockIdx.x, level = threadIdx.x;
+  if (w.tile > 0)
+    around[level] = samplesAround(w, tile % w.tile_columns, tile / w.tile_columns, level);
+  __syncthreads();
+  if (level == 0) setThresholds(w, tile, w.tile > 0 ? around : nullptr);
 }
 
 }  // namespace

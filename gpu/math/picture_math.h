@@ -28,6 +28,7 @@ struct PictureWork {
   int32_t blur[kMostBlurRadius + 1];  ///< weights in 1/64, see edge_mcl::blurWeights
   float sine;                         ///< sine of the orientation tolerance
   double edge_share, noise_factor, hysteresis, least_threshold;
+  int32_t tile, tile_columns, tile_rows;  ///< tile: side in pixels; 0: one threshold for all
 
   // Arrays of the recipe.
   const DirectionBin* direction;  ///< (bin)
@@ -40,17 +41,19 @@ struct PictureWork {
   const uint8_t* ignore;  ///< null without a mask
   int16_t* smooth;        ///< smoothed grey times gradient_scale
   int16_t *gradient_x, *gradient_y;
-  uint32_t* sampled;   ///< squared magnitudes for the thresholds, kIgnoredSample where ignored
-  int32_t* threshold;  ///< weak and strong threshold, squared
-  int32_t* parent;     ///< for an edge candidate: a candidate that it is connected to; otherwise -1
-  uint8_t* strong;     ///< for the root of a tree of candidates: 1 when the tree has a strong edge
-  uint32_t* match;     ///< bit b: edge pixel of direction bin b
-  uint32_t* hit;       ///< as match, with the additional pixels of slipPixel()
-  int32_t* count;      ///< (bin, cell): number of edge pixels
-  int32_t* usable;     ///< (cell): number of pixels that are not ignored; only with `ignore`
-  uint8_t* level;      ///< (bin, cell): level of the density of edges
-  uint8_t* codes;      ///< (bin, y, x)
-  Quad* quads;         ///< (bin, y, x): the table
+  uint32_t* sampled;       ///< squared magnitudes for the thresholds, kIgnoredSample where ignored
+  int32_t* sampled_count;  ///< (tile, level): number of samples; only with tiles
+  double* limits;          ///< strong threshold of the image, lowest strong threshold of a tile
+  int32_t* threshold;      ///< (tile): weak and strong threshold, squared
+  int32_t* parent;  ///< for an edge candidate: a candidate that it is connected to; otherwise -1
+  uint8_t* strong;  ///< for the root of a tree of candidates: 1 when the tree has a strong edge
+  uint32_t* match;  ///< bit b: edge pixel of direction bin b
+  uint32_t* hit;    ///< as match, with the additional pixels of slipPixel()
+  int32_t* count;   ///< (bin, cell): number of edge pixels
+  int32_t* usable;  ///< (cell): number of pixels that are not ignored; only with `ignore`
+  uint8_t* level;   ///< (bin, cell): level of the density of edges
+  uint8_t* codes;   ///< (bin, y, x)
+  Quad* quads;      ///< (bin, y, x): the table
 };
 
 constexpr uint32_t kIgnoredSample = 0xffffffffu;
@@ -63,12 +66,53 @@ EDGE_MCL_DEVICE_FUNCTION int clampTo(int value, int size) {
 EDGE_MCL_DEVICE_FUNCTION int sampledColumns(const PictureWork& w) { return (w.width + 1) / 3; }
 EDGE_MCL_DEVICE_FUNCTION int sampledRows(const PictureWork& w) { return (w.height + 1) / 3; }
 
+/// Levels of squared gradients, see edge_mcl::EdgeThresholds.
+constexpr int kSquareLevels = 120;
+
+EDGE_MCL_DEVICE_FUNCTION int leadingZeros(uint32_t value) {  // value is not 0
+#if defined(__CUDA_ARCH__)
+  return __clz(static_cast<int>(value));
+#else
+  return __builtin_clz(value);
+#endif
+}
+
+/// Adds to *at, atomically on the device.
+EDGE_MCL_DEVICE_FUNCTION void addTo(int32_t* at, int32_t value) {
+#if defined(__CUDA_ARCH__)
+  atomicAdd(at, value);
+#else
+  *at += value;
+#endif
+}
+
+EDGE_MCL_DEVICE_FUNCTION int levelOfSquare(uint32_t square) {
+  if (square < 4) return static_cast<int>(square);
+  const int top = 31 - leadingZeros(square);
+  return 4 * (top - 1) + static_cast<int>((square >> (top - 2)) & 3);
+}
+
+EDGE_MCL_DEVICE_FUNCTION uint32_t lowestOfLevel(int level) {
+  if (level < 4) return static_cast<uint32_t>(level);
+  return static_cast<uint32_t>(4 + level % 4) << (level / 4 - 1);
+}
+
+EDGE_MCL_DEVICE_FUNCTION int32_t tilesOf(const PictureWork& w) {
+  return w.tile > 0 ? w.tile_columns * w.tile_rows : 1;
+}
+
+EDGE_MCL_DEVICE_FUNCTION int32_t tileAt(const PictureWork& w, int x, int y) {
+  return w.tile > 0 ? y / w.tile * w.tile_columns + x / w.tile : 0;
+}
+
 /// Computes the smoothed grey value times gradient_scale, rounded half to even. It also clears the
-/// counts of the image cells.
+/// counts of the image cells and of the tiles.
 EDGE_MCL_DEVICE_FUNCTION void smoothPixel(const PictureWork& w, int x, int y) {
   const int32_t at = y * w.width + x, pixels = w.width * w.height;
   const int32_t cells = w.cell_columns * w.cell_rows;
   for (int32_t i = at; i < w.bins * cells; i += pixels) w.count[i] = 0;
+  if (w.tile > 0)
+    for (int32_t i = at; i < tilesOf(w) * kSquareLevels; i += pixels) w.sampled_count[i] = 0;
   if (w.ignore && at < cells) {
     const int right = w.width - at % w.cell_columns * kClutterCell;
     const int below = w.height - at / w.cell_columns * kClutterCell;
@@ -113,9 +157,13 @@ EDGE_MCL_DEVICE_FUNCTION void gradientOfPixel(const PictureWork& w, int x, int y
   const int64_t at = static_cast<int64_t>(y) * w.width + x;
   w.gradient_x[at] = static_cast<int16_t>(gx);
   w.gradient_y[at] = static_cast<int16_t>(gy);
-  if (x % 3 == 1 && y % 3 == 1)
-    w.sampled[static_cast<int64_t>(y / 3) * sampledColumns(w) + x / 3] =
-        w.ignore && w.ignore[at] ? kIgnoredSample : static_cast<uint32_t>(gx * gx + gy * gy);
+  if (x % 3 != 1 || y % 3 != 1) return;
+  const bool ignored = w.ignore && w.ignore[at];
+  const auto square = static_cast<uint32_t>(gx * gx + gy * gy);
+  w.sampled[static_cast<int64_t>(y / 3) * sampledColumns(w) + x / 3] =
+      ignored ? kIgnoredSample : square;
+  if (w.tile > 0 && !ignored)
+    addTo(w.sampled_count + tileAt(w, x, y) * kSquareLevels + levelOfSquare(square), 1);
 }
 
 /// Ranks of the two order statistics on which the thresholds depend.
@@ -128,20 +176,50 @@ EDGE_MCL_DEVICE_FUNCTION QuantileRanks quantileRanks(const PictureWork& w, uint3
   return {static_cast<uint32_t>(0.25 * last), static_cast<uint32_t>((1 - w.edge_share) * last)};
 }
 
-/// Sets the thresholds, see edge_mcl::findEdges. @param noise, edges squared magnitudes of the
-/// ranks of QuantileRanks. @param count number of squared magnitudes; 0: all pixels are ignored.
-EDGE_MCL_DEVICE_FUNCTION void setThresholds(const PictureWork& w, uint32_t count, uint32_t noise,
-                                            uint32_t edges) {
-  double strong = w.least_threshold;
+/// Sets the limits of the thresholds, see edge_mcl::EdgeThresholds. @param noise, edges squared
+/// magnitudes of the ranks of QuantileRanks. @param count number of squared magnitudes; 0: all
+/// pixels are ignored.
+EDGE_MCL_DEVICE_FUNCTION void setLimits(const PictureWork& w, uint32_t count, uint32_t noise,
+                                        uint32_t edges) {
+  double lowest = w.least_threshold, strong = w.least_threshold;
   if (count > 0) {
-    const double of_noise = w.noise_factor * (sqrt(static_cast<double>(noise)) / 0.759);
-    const double of_edges = sqrt(static_cast<double>(edges));
-    strong = fmax(fmax(strong, of_edges), of_noise);
+    lowest = fmax(lowest, w.noise_factor * (sqrt(static_cast<double>(noise)) / 0.759));
+    strong = fmax(lowest, sqrt(static_cast<double>(edges)));
+  }
+  w.limits[0] = strong;
+  w.limits[1] = lowest;
+}
+
+/// Number of samples of a level in a tile and its neighbours.
+EDGE_MCL_DEVICE_FUNCTION int32_t samplesAround(const PictureWork& w, int column, int row,
+                                               int level) {
+  int32_t sum = 0;
+  for (int r = row > 0 ? row - 1 : 0; r <= row + 1 && r < w.tile_rows; ++r)
+    for (int c = column > 0 ? column - 1 : 0; c <= column + 1 && c < w.tile_columns; ++c)
+      sum += w.sampled_count[(r * w.tile_columns + c) * kSquareLevels + level];
+  return sum;
+}
+
+/// Sets the thresholds of a tile. @param around samplesAround() of every level; null: the tile is
+/// the whole image.
+EDGE_MCL_DEVICE_FUNCTION void setThresholds(const PictureWork& w, int tile, const int32_t* around) {
+  double strong = w.limits[0];
+  if (around) {
+    int64_t total = 0, above = 0;
+    for (int level = 0; level < kSquareLevels; ++level) total += around[level];
+    const auto most = static_cast<int64_t>(w.edge_share * static_cast<double>(total));
+    int level = kSquareLevels;
+    for (; level > 0; --level) {
+      above += around[level - 1];
+      if (above > most) break;
+    }
+    const double own = sqrt(static_cast<double>(lowestOfLevel(level)));
+    strong = fmin(strong, fmax(w.limits[1], sqrt(own * strong)));
   }
   // Thresholds are limited and squared as in cv::Canny.
   const double high = fmin(32767.0, strong), low = fmin(32767.0, w.hysteresis * strong);
-  w.threshold[0] = static_cast<int32_t>(floor(low * low));
-  w.threshold[1] = static_cast<int32_t>(floor(high * high));
+  w.threshold[2 * tile] = static_cast<int32_t>(floor(low * low));
+  w.threshold[2 * tile + 1] = static_cast<int32_t>(floor(high * high));
 }
 
 /// Squared magnitude of the gradient; 0 outside of the image.
@@ -170,7 +248,7 @@ EDGE_MCL_DEVICE_FUNCTION bool isRidge(const PictureWork& w, int x, int y, int32_
 /// Whether a pixel is an edge candidate: above the weak threshold and on a ridge.
 EDGE_MCL_DEVICE_FUNCTION bool isCandidate(const PictureWork& w, int x, int y) {
   const int32_t square = squareAt(w, x, y);
-  return square > w.threshold[0] && isRidge(w, x, y, square);
+  return square > w.threshold[2 * tileAt(w, x, y)] && isRidge(w, x, y, square);
 }
 
 /// Lowers *at to the value if the value is smaller, atomically on the device. @return the old
@@ -182,23 +260,6 @@ EDGE_MCL_DEVICE_FUNCTION int32_t lowerTo(int32_t* at, int32_t value) {
   const int32_t before = *at;
   if (value < before) *at = value;
   return before;
-#endif
-}
-
-/// Adds to *at, atomically on the device.
-EDGE_MCL_DEVICE_FUNCTION void addTo(int32_t* at, int32_t value) {
-#if defined(__CUDA_ARCH__)
-  atomicAdd(at, value);
-#else
-  *at += value;
-#endif
-}
-
-EDGE_MCL_DEVICE_FUNCTION int leadingZeros(uint32_t value) {  // value is not 0
-#if defined(__CUDA_ARCH__)
-  return __clz(static_cast<int>(value));
-#else
-  return __builtin_clz(value);
 #endif
 }
 
@@ -256,7 +317,8 @@ EDGE_MCL_DEVICE_FUNCTION void connectPixel(int32_t* parent, int32_t at, int32_t 
 /// Marks the tree of a candidate above the strong threshold. All candidates of this tree are edges.
 EDGE_MCL_DEVICE_FUNCTION void markStrong(const PictureWork& w, int x, int y) {
   const int32_t at = y * w.width + x;
-  if (w.parent[at] >= 0 && squareAt(w, x, y) > w.threshold[1]) w.strong[rootOf(w.parent, at)] = 1;
+  if (w.parent[at] >= 0 && squareAt(w, x, y) > w.threshold[2 * tileAt(w, x, y) + 1])
+    w.strong[rootOf(w.parent, at)] = 1;
 }
 
 /// Finds the direction bins that an edge pixel matches, and counts the pixel in its image cell.

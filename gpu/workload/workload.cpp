@@ -10,7 +10,7 @@ namespace edge_mcl::gpu {
 
 namespace {
 
-constexpr char kMagic[16] = "edge_mcl work 3";
+constexpr char kMagic[16] = "edge_mcl work 4";
 constexpr uint64_t kMostElements = uint64_t{1} << 32;
 
 /// Calls `part` for every part of the file, in the order of the file.
@@ -91,6 +91,9 @@ bool isSound(const Workload& w) {
   if (p.cell_columns != (p.width + kClutterCell - 1) / kClutterCell ||
       p.cell_rows != (p.height + kClutterCell - 1) / kClutterCell ||
       p.longest != std::max(p.width, p.height))
+    return false;
+  if (p.tile < 0 || (p.tile > 0 && (p.tile_columns != (p.width + p.tile - 1) / p.tile ||
+                                    p.tile_rows != (p.height + p.tile - 1) / p.tile)))
     return false;
   const auto bins = static_cast<size_t>(p.bins);
   for (const DirectionBin& d : r.directions)

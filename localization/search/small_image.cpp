@@ -19,6 +19,7 @@ ImageParameters smallImageParameters(ImageParameters image) {
   image.orientation_tolerance_deg = std::max(image.orientation_tolerance_deg, 25.0);
   image.search_length = 16;
   image.clutter_window = 32;
+  if (image.contrast_window > 0) image.contrast_window = 32;
   return image;
 }
 

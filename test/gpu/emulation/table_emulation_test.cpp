@@ -44,6 +44,8 @@ struct Setting {
 const Setting kSettings[] = {
     {"defaults", [](Parameters*) {}, false},
     {"mask", [](Parameters*) {}, true},
+    {"one threshold", [](Parameters* p) { p->image.contrast_window = 0; }, true},
+    {"small tiles", [](Parameters* p) { p->image.contrast_window = 24; }, false},
     {"paper", [](Parameters* p) { p->likelihood.model = LikelihoodModel::kPaper; }, true},
     {"no blur, few bins",
      [](Parameters* p) {
@@ -69,7 +71,8 @@ const Setting kSettings[] = {
 void expectSameTable(const std::function<std::vector<gpu::Quad>(const gpu::TableRecipe&,
                                                                 const gpu::PictureData&)>& make) {
   for (const Setting& setting : kSettings)
-    for (const cv::Size size : {cv::Size(320, 240), cv::Size(203, 131), cv::Size(9, 30)})
+    for (const cv::Size size :
+         {cv::Size(320, 240), cv::Size(203, 131), cv::Size(9, 30), cv::Size(1, 40), cv::Size(2, 2)})
       for (int kind = 0; kind < 4; ++kind) {
         SCOPED_TRACE(std::string(setting.name) + ", picture " + std::to_string(kind) + ", width " +
                      std::to_string(size.width));
