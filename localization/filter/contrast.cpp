@@ -10,19 +10,20 @@ namespace edge_mcl {
 
 double contrastOf(const LocalizationMap& map, const std::vector<CameraView>& views,
                   const Pose& pose) {
-  // Poses near enough to see the same part of the model, and far enough to fit none of its lines.
-  // They are the same for every image.
+  // Turned little enough to see the same part of the model, and far enough to fit none of its
+  // lines. A turn about the camera does not move it, so one visible set serves all poses. They are
+  // the same for every image.
   constexpr int kCount = 64;
-  constexpr double kNear = 0.15, kFar = 0.5;  // m
   constexpr double kLittle = 4 * kDegree, kMuch = 10 * kDegree;
   constexpr uint64_t kSeed = 77;
+  const Pose& T_base_camera = views.front().T_base_camera;
   RandomSource random(kSeed);
   std::vector<Pose> poses{pose};
   for (int i = 0; i < kCount; ++i) {
-    Twist away;
-    away.head<3>() = (kNear + (kFar - kNear) * random.uniform()) * random.direction();
-    away.tail<3>() = (kLittle + (kMuch - kLittle) * random.uniform()) * random.direction();
-    poses.push_back(pose * expSe3(away));
+    Pose turn = Pose::Identity();
+    const double angle = kLittle + (kMuch - kLittle) * random.uniform();
+    turn.linear() = expSo3(angle * random.direction());
+    poses.push_back(normalized(pose * T_base_camera * turn * T_base_camera.inverse()));
   }
   const std::vector<PoseScore> scores = map.evaluate(views, poses);
   if (!(scores.front().line_count > 0)) return 0;

@@ -35,9 +35,13 @@ Eigen::Matrix3d priorOfCalibration() {
 }  // namespace
 
 void EstimateCovariance::reset(const Matrix6& covariance) {
+  spread(covariance);
+  by_calibration_.setZero();
+}
+
+void EstimateCovariance::spread(const Matrix6& covariance) {
   noise_ = refined_ = covariance;
   by_piece_.clear();
-  by_calibration_.setZero();
 }
 
 void EstimateCovariance::move(const Pose& increment, const Vector6& noise_variance) {

@@ -26,6 +26,9 @@ class EstimateCovariance {
  public:
   /// Starts at a pose whose error has nothing to do with the lines.
   void reset(const Matrix6& covariance);
+  /// Takes this covariance for the errors of motion and of lines, after correct(). An error of the
+  /// calibration has moved the estimate all the same, so its share stays.
+  void spread(const Matrix6& covariance);
   /// Moves the pose. @param noise_variance of the step, per axis after the step.
   void move(const Pose& increment, const Vector6& noise_variance);
   /// Adds a correction by images.

@@ -322,7 +322,7 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
     // The particles are spread wider than the refinement reaches, so it may have found another mode
     // than that of the true pose. The spread of the particles tells.
     const Twist shift = logSe3(estimate_.mean.inverse() * cloud.mean);
-    covariance_.reset(cloud.covariance + shift * shift.transpose());
+    covariance_.spread(cloud.covariance + shift * shift.transpose());
   }
   // In clean rooms the variance of the particles is up to this many times that of the refinement.
   constexpr double kWide = 6;

@@ -9,6 +9,7 @@
 
 #include "edge_mcl/localization/filter/motion_noise.h"
 #include "edge_mcl/localization/filter/resampling.h"
+#include "edge_mcl/localization/search/jump_cost.h"
 
 namespace edge_mcl {
 
@@ -118,12 +119,18 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
   return report_;
 }
 
+FoundPose GlobalLocalizer::followed(const SearchViews& seen, const PoseGaussian& expected) const {
+  FoundPose found = search_.follow(seen, expected);
+  found.log_likelihood -= jumpCost(expected, found.pose);
+  return found;
+}
+
 void GlobalLocalizer::follow() {
   const Keyframe& now = keyframes_.back();
   tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
     h.expected = predicted(h.history.back(), now.since.step, now.since.variance);
-    const FoundPose found = search_.follow(now.seen, h.expected);
+    const FoundPose found = followed(now.seen, h.expected);
     h.pose = found.pose;
     h.total += found.log_likelihood;
     h.history.push_back(found);
@@ -242,8 +249,8 @@ GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) c
   FoundPose last = found;
   for (size_t k = keyframes_.size() - 1; k > 0; --k) {
     const Keyframe& later = keyframes_[k];
-    last = search_.follow(keyframes_[k - 1].seen,
-                          predicted(last, later.since.step.inverse(), later.since.variance));
+    last = followed(keyframes_[k - 1].seen,
+                    predicted(last, later.since.step.inverse(), later.since.variance));
     h.total += last.log_likelihood;
     h.history.push_front(last);
   }
@@ -290,7 +297,9 @@ void GlobalLocalizer::smooth() {
   tbb::parallel_for(size_t{0}, count, [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
     if (h.followed == 0) return;  // it was followed backwards just now
-    Hypothesis smoothed = backwards(h.history.back());
+    FoundPose newest = h.history.back();
+    newest.log_likelihood += jumpCost(h.expected, newest.pose);  // backwards() charges this step
+    Hypothesis smoothed = backwards(newest);
     if (smoothed.total <= h.total) return;
     h.total = smoothed.total;
     h.history = std::move(smoothed.history);

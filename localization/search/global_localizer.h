@@ -53,6 +53,8 @@ class GlobalLocalizer : public PoseFinder {
   /// covariance.
   static PoseGaussian predicted(const FoundPose& before, const Pose& motion,
                                 const Vector6& variance);
+  /// Refines an expected pose. The result pays for what it jumps.
+  FoundPose followed(const SearchViews& seen, const PoseGaussian& expected) const;
   /// Moves all hypotheses to the newest keyframe and refines them there.
   void follow();
   /// Searches for new hypotheses in the newest keyframe.

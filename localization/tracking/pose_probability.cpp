@@ -7,28 +7,44 @@ namespace edge_mcl {
 
 namespace {
 
-// Factors of the logistic regression: constant, of the logarithm of the contrast, of the logarithm
-// of the number of lines.
-constexpr double kConstant = -17.1, kOfContrast = 7.4, kOfLines = 0.64;
+// Factors of the logistic regression: constant, and of the logarithm of the contrast. A contrast
+// of 7.2 gives even odds.
+constexpr double kConstant = -19.6, kOfContrast = 9.93;
 /// Depth images: log-odds per share of points on the model, and the share of even odds.
 constexpr double kOfAgreement = 10, kEvenAgreement = 0.3;
 /// One image is never more certain than this.
 constexpr double kMostCertain = 8;
 
-/// Images of one second see about the same, so they count together as one.
-constexpr double kMemory = 1;  // s
-constexpr double kLeastWeight = 0.15, kFirstWeight = 0.3;
-/// The odds of a pose that was given: somebody meant it to be right. The odds of a pose that the
-/// search has found: it reports none before several images leave no other.
-constexpr double kGiven = 0.5, kProven = 3;
+/// Images of two seconds see about the same, so together they confirm the pose as one. Images of a
+/// third of a second contradict it as one: a robot that was carried away must be noticed soon.
+constexpr double kToConfirm = 2, kToContradict = 0.3;  // s
+/// Weight of the first image, and the least weight of one whose stamp stands still.
+constexpr double kFirstWeight = 0.5, kLeastWeight = 0.02;
+/// A right pose becomes wrong, or a wrong one right, at this rate. It limits what is certain.
+constexpr double kRateOfChange = 0.01;  // per s
+/// A longer gap counts as one of this length.
+constexpr double kLongestGap = 3;  // s
+/// A pose that became right must be able to prove it soon.
+constexpr double kLowest = -4;
+/// The odds of a pose that was given are even. The odds of a pose that the search has found are
+/// high: it reports none before several images leave no other.
+constexpr double kGiven = 0, kProven = 3;
 /// Lines in view from which an image has its full weight. A bare wall shows fewer.
 constexpr double kManyLines = 10;
 /// An image that contradicts the ones before counts at once, with this much benefit of the doubt.
-constexpr double kBenefit = 2;
-/// Measured log-odds of images together, by their mean: a constant and a factor.
-constexpr double kOfNone = -0.8, kOfMean = 2;
+constexpr double kBenefit = 1;
 /// Without images the odds are forgotten over this time.
 constexpr double kForget = 3;  // s
+
+double probabilityOf(double log_odds) { return 1 / (1 + std::exp(-log_odds)); }
+
+/// Two states, right and wrong, that change into one another.
+double oddsAfter(double log_odds, double time) {
+  const double changed = kRateOfChange * std::min(time, kLongestGap);
+  const double right = probabilityOf(log_odds);
+  const double later = right * (1 - changed) + (1 - right) * changed;
+  return std::log(later / (1 - later));
+}
 
 }  // namespace
 
@@ -37,8 +53,7 @@ std::optional<ImageOdds> oddsOf(const UpdateReport& report) {
   std::optional<double> odds;
   double weight = 1;
   if (report.visible_lines > 0) {
-    odds = kConstant + kOfContrast * std::log(std::max(report.contrast, 0.1)) +
-           kOfLines * std::log(std::max(report.visible_lines, 0.1));
+    odds = kConstant + kOfContrast * std::log(std::max(report.contrast, 0.1));
     if (!(report.depth_points > 0)) weight = std::min(1.0, report.visible_lines / kManyLines);
   }
   if (report.depth_points > 0) {
@@ -50,28 +65,31 @@ std::optional<ImageOdds> oddsOf(const UpdateReport& report) {
 }
 
 void PoseProbability::begin(bool proven) {
-  mean_ = highest_ = proven ? kProven : kGiven;
+  odds_ = highest_ = proven ? kProven : kGiven;
   last_.reset();
+  last_image_.reset();
 }
 
 void PoseProbability::add(double time, const ImageOdds& image) {
-  const double passed = last_ ? std::max(0.0, time - *last_) : 0;
-  const double weight =
-      last_ ? std::max(kLeastWeight, 1 - std::exp(-passed / kMemory)) : kFirstWeight;
-  mean_ += weight * image.weight * (image.log_odds - mean_);
+  double weight = kFirstWeight;
+  if (last_) odds_ = oddsAfter(odds_, std::max(0.0, time - *last_));
+  if (last_image_) {
+    const double passed = std::max(0.0, time - *last_image_);
+    weight =
+        std::clamp(passed / (image.log_odds > 0 ? kToConfirm : kToContradict), kLeastWeight, 1.0);
+  }
+  odds_ = std::max(kLowest, odds_ + weight * image.weight * image.log_odds);
   highest_ = image.log_odds + kBenefit / std::max(image.weight, 1e-3);
-  last_ = time;
+  last_ = last_image_ = time;
 }
 
 void PoseProbability::wait(double time) {
   const double passed = last_ ? std::max(0.0, time - *last_) : 0;
-  mean_ *= std::exp(-passed / kForget);
-  highest_ = mean_;
+  odds_ *= std::exp(-passed / kForget);
+  highest_ = odds_;
   last_ = time;
 }
 
-double PoseProbability::value() const {
-  return 1 / (1 + std::exp(-kOfNone - kOfMean * std::min(mean_, highest_)));
-}
+double PoseProbability::value() const { return probabilityOf(std::min(odds_, highest_)); }
 
 }  // namespace edge_mcl

@@ -16,14 +16,14 @@ struct ImageOdds {
   double weight = 1;    ///< 0 to 1; an image with few lines tells little, whatever they say
 };
 
-/// Odds that one image gives to the pose. It compares the pose with poses around it in the same
-/// image (UpdateReport::contrast) and counts the lines that decide. So it needs no limit that
-/// depends on the building. The factors come from a logistic regression, see
-/// docs/decisions/tracking-probability.md.
+/// Odds that one image gives to the pose. It compares the pose with poses turned away from it in
+/// the same image (UpdateReport::contrast), so it needs no limit that depends on the building. The
+/// factors come from a logistic regression, see docs/decisions/tracking-probability.md.
 /// @return none: the image told nothing
 std::optional<ImageOdds> oddsOf(const UpdateReport& report);
 
-/// Follows the probability from image to image.
+/// Follows the probability from image to image: a hidden Markov model of two states, right and
+/// wrong. Images that follow one another see about the same, so they count together as one.
 class PoseProbability {
  public:
   /// Starts at a pose. @param proven the search has found it in several images
@@ -36,9 +36,9 @@ class PoseProbability {
   double value() const;
 
  private:
-  double mean_ = 0;             // log-odds of the last second
-  double highest_ = 0;          // that the last image allows
-  std::optional<double> last_;  // s
+  double odds_ = 0;                          // natural logarithm of P(right) / P(wrong)
+  double highest_ = 0;                       // that the last image allows
+  std::optional<double> last_, last_image_;  // s
 };
 
 }  // namespace edge_mcl

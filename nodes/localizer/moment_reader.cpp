@@ -16,18 +16,8 @@ MomentReader::MomentReader(const ros::NodeHandle& nh, const NodeParameters& para
   if (params_.odometry == "topic") odometry_buffer_ = std::make_unique<tf2::BufferCore>();
   if (params_.use_imu) {
     ros::NodeHandle handle(nh);
-    imu_subscriber_ = handle.subscribe("imu", 100, &MomentReader::receiveImu, this);
+    imu_subscriber_ = handle.subscribe("imu", 100, &ImuHistory::add, &imu_);
   }
-}
-
-void MomentReader::receiveImu(const sensor_msgs::ImuConstPtr& message) {
-  constexpr size_t kKept = 400;  // one second of a fast IMU; images may wait that long
-  const std::lock_guard<std::mutex> lock(imu_mutex_);
-  if (!imu_.empty() && clockStep(imu_.back()->header.stamp.toSec(),
-                                 message->header.stamp.toSec()) == ClockStep::kJumpedBack)
-    imu_.clear();
-  imu_.push_back(message);
-  if (imu_.size() > kKept) imu_.pop_front();
 }
 
 void MomentReader::addOdometry(const nav_msgs::Odometry& odometry) {
@@ -42,9 +32,10 @@ void MomentReader::addOdometry(const nav_msgs::Odometry& odometry) {
       toTransformStamped(pose, stamp, params_.odom_frame_id, params_.base_frame_id), "odom");
 }
 
-std::optional<Pose> MomentReader::odometryAt(const ros::Time& stamp, std::string* problem) {
+std::optional<Pose> MomentReader::odometryAt(const ros::Time& stamp, const ros::Time& latest,
+                                             std::string* problem) {
   if (params_.odometry == "none") return std::nullopt;
-  const tf2::BufferCore& buffer = odometry_buffer_ ? *odometry_buffer_ : tf_;
+  const tf2::BufferCore& buffer = odometryBuffer();
   const std::string &odom = params_.odom_frame_id, &base = params_.base_frame_id;
   const auto newest = [&] {
     return buffer.canTransform(odom, base, ros::Time(0))
@@ -54,21 +45,27 @@ std::optional<Pose> MomentReader::odometryAt(const ros::Time& stamp, std::string
   // The wall clock counts, since a simulated clock may stand still.
   const auto until = ros::WallTime::now() + ros::WallDuration(params_.transform_timeout);
   std::string why;
-  const auto look = [&] {
-    Look<Pose> now;
-    // The newest is read first: data that arrive in between are then seen by one of the two.
-    const ros::Time at = newest();
-    now.newest = at.toSec();
-    now.may_come = at <= stamp;
-    if (buffer.canTransform(odom, base, stamp, &why))
-      now.found = fromMessage(buffer.lookupTransform(odom, base, stamp).transform, "odometry");
-    return now;
+  const auto await = [&](const ros::Time& time, Patience* patience) {
+    const auto look = [&] {
+      Look<Pose> now;
+      // The newest is read first: data that arrive in between are then seen by one of the two.
+      const ros::Time at = newest();
+      now.newest = at.toSec();
+      now.may_come = at <= time;
+      if (buffer.canTransform(odom, base, time, &why))
+        now.found = fromMessage(buffer.lookupTransform(odom, base, time).transform, "odometry");
+      return now;
+    };
+    return awaitData<Pose>(
+        patience, look, [&] { return ros::WallTime::now() < until; },
+        [] { ros::WallDuration(0.002).sleep(); }, [&] { return running_.load(); });
   };
   try {
-    std::optional<Pose> found = awaitData<Pose>(
-        &odometry_patience_, look, [&] { return ros::WallTime::now() < until; },
-        [] { ros::WallDuration(0.002).sleep(); }, [&] { return running_.load(); });
-    if (found) return found;
+    if (const std::optional<Pose> found = await(stamp, &odometry_patience_)) {
+      // The other sensors are brought to their own times where odometry knows them.
+      if (latest > stamp) await(latest, &sensors_patience_);
+      return found;
+    }
   } catch (const tf2::TransformException& e) {
     why = e.what();  // the buffer was cleared in between: the clock jumped back
   }
@@ -78,33 +75,25 @@ std::optional<Pose> MomentReader::odometryAt(const ros::Time& stamp, std::string
 
 std::optional<UpReading> MomentReader::upAt(const ros::Time& stamp, std::string* problem) {
   if (!params_.use_imu) return std::nullopt;
-  constexpr double kSameMoment = 0.05;  // s; an IMU is faster than 20 Hz
-  sensor_msgs::ImuConstPtr nearest;
-  {
-    const std::lock_guard<std::mutex> lock(imu_mutex_);
-    double least = kSameMoment;
-    for (const sensor_msgs::ImuConstPtr& message : imu_) {
-      const double offset = std::abs((message->header.stamp - stamp).toSec());
-      if (offset > least) continue;
-      least = offset;
-      nearest = message;
-    }
-  }
   try {
-    if (!nearest) throw InputError("no imu message for the image");
-    if (nearest->orientation_covariance[0] == -1)
-      throw InputError("imu: its messages hold no orientation");
-    geometry_msgs::Pose pose;
-    pose.orientation = nearest->orientation;
-    const Eigen::Matrix3d R_world_imu = fromMessage(pose, "imu").linear();
+    const ImuOrientation imu = imu_.at(stamp);
     const Eigen::Matrix3d R_base_imu =
-        sensorMounting(tf_, params_.base_frame_id, nearest->header, "imu").linear();
-    return UpReading{R_base_imu * R_world_imu.transpose() * Eigen::Vector3d::UnitZ(),
+        sensorMounting(tf_, params_.base_frame_id, imu.header, "imu").linear();
+    return UpReading{R_base_imu * imu.R_world_imu.transpose() * Eigen::Vector3d::UnitZ(),
                      params_.imu_sigma};
   } catch (const std::exception& e) {
     *problem = e.what();
     return std::nullopt;
   }
+}
+
+Pose MomentReader::mountingOf(const std_msgs::Header& header, const std::string& origin,
+                              const ros::Time& moment) const {
+  const Pose T_base_sensor = sensorMounting(tf_, params_.base_frame_id, header, origin);
+  if (params_.odometry == "none") return T_base_sensor;
+  return baseMotion(odometryBuffer(), params_.odom_frame_id, params_.base_frame_id, moment,
+                    header.stamp) *
+         T_base_sensor;
 }
 
 cv::Mat MomentReader::maskFor(const Moment::CameraPart& part, const CameraModel& model,
@@ -129,7 +118,8 @@ cv::Mat MomentReader::maskFor(const Moment::CameraPart& part, const CameraModel&
   return turnMask(last->mask, model, R_odom_camera->transpose() * *last->R_odom_camera);
 }
 
-void MomentReader::addView(const Moment::CameraPart& part, LastMask* last, MomentInput* result) {
+void MomentReader::addView(const Moment::CameraPart& part, const ros::Time& moment, LastMask* last,
+                           MomentInput* result) {
   if (!part.match) throw InputError(part.origin + ": no image of this moment");
   if (!part.info) throw InputError(part.origin + ": no camera_info yet");
   const sensor_msgs::ImageConstPtr& image = part.match->image;
@@ -137,13 +127,13 @@ void MomentReader::addView(const Moment::CameraPart& part, LastMask* last, Momen
   view.origin = part.origin;
   view.camera = fromMessage(*part.info, part.origin + " camera_info");
   view.image = fromMessage(image, part.origin);
-  view.T_base_camera = sensorMounting(tf_, params_.base_frame_id, image->header, part.origin);
+  view.T_base_camera = mountingOf(image->header, part.origin, moment);
   if (params_.use_masks) view.mask = maskFor(part, view.camera, view.T_base_camera, last, result);
   result->input.images.push_back(std::move(view));
 }
 
-void MomentReader::addDepth(const Moment::CameraPart& part, size_t camera, LastMask* last,
-                            MomentInput* result) {
+void MomentReader::addDepth(const Moment::CameraPart& part, const ros::Time& moment, size_t camera,
+                            LastMask* last, MomentInput* result) {
   const std::string origin = part.origin + " depth";
   if (!part.depth) throw InputError(origin + ": no depth image in time");
   // Depth that is registered to the colour camera may have no calibration of its own.
@@ -154,7 +144,7 @@ void MomentReader::addDepth(const Moment::CameraPart& part, size_t camera, LastM
   depth.image.camera = fromMessage(*info, origin + " camera_info");
   depth.image.depth = depthFromMessage(part.depth, origin);
   depth.image.units_per_metre = 1000;
-  depth.T_base_camera = sensorMounting(tf_, params_.base_frame_id, part.depth->header, origin);
+  depth.T_base_camera = mountingOf(part.depth->header, origin, moment);
   depth.sensor = static_cast<uint32_t>(camera);
   bool image_is_used = false;
   for (const LiveInput::CameraImage& view : result->input.images) {
@@ -176,10 +166,28 @@ void MomentReader::addDepth(const Moment::CameraPart& part, size_t camera, LastM
   result->input.depths.push_back(std::move(depth));
 }
 
+namespace {
+
+/// The latest stamp of the sensors of a moment.
+ros::Time latestOf(const Moment& moment) {
+  ros::Time latest = moment.stamp;
+  const ros::Duration most(1);  // baseMotion() asks no farther
+  const auto add = [&](const ros::Time& stamp) {
+    if (stamp > latest && stamp - moment.stamp <= most) latest = stamp;
+  };
+  for (const Moment::CameraPart& part : moment.cameras) {
+    if (part.match) add(part.match->image->header.stamp);
+    if (part.depth) add(part.depth->header.stamp);
+  }
+  return latest;
+}
+
+}  // namespace
+
 MomentInput MomentReader::read(const Moment& moment) {
   MomentInput result;
   result.input.time = moment.stamp.toSec();
-  result.input.odometry = odometryAt(moment.stamp, &result.problem);
+  result.input.odometry = odometryAt(moment.stamp, latestOf(moment), &result.problem);
   result.input.up = upAt(moment.stamp, &result.problem);
   const auto attempt = [&](auto&& add) {
     try {
@@ -190,8 +198,10 @@ MomentInput MomentReader::read(const Moment& moment) {
   };
   for (size_t i = 0; i < moment.cameras.size(); ++i) {
     const Moment::CameraPart& part = moment.cameras[i];
-    if (cues_ != Cues::kDepth) attempt([&] { addView(part, &last_masks_[i], &result); });
-    if (cues_ != Cues::kEdges) attempt([&] { addDepth(part, i, &last_masks_[i], &result); });
+    if (cues_ != Cues::kDepth)
+      attempt([&] { addView(part, moment.stamp, &last_masks_[i], &result); });
+    if (cues_ != Cues::kEdges)
+      attempt([&] { addDepth(part, moment.stamp, i, &last_masks_[i], &result); });
   }
   return result;
 }

@@ -3,19 +3,17 @@
 
 #include <nav_msgs/Odometry.h>
 #include <ros/node_handle.h>
-#include <sensor_msgs/Imu.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <atomic>
-#include <deque>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "edge_mcl/localization/tracking/live_localizer.h"
+#include "edge_mcl/nodes/localizer/imu_history.h"
 #include "edge_mcl/nodes/localizer/moment_queue.h"
 
 namespace edge_mcl {
@@ -50,13 +48,25 @@ class MomentReader {
     std::optional<Eigen::Matrix3d> R_odom_camera;
   };
 
-  void receiveImu(const sensor_msgs::ImuConstPtr& message);
-  std::optional<Pose> odometryAt(const ros::Time& stamp, std::string* problem);
+  const tf2::BufferCore& odometryBuffer() const {
+    const tf2::BufferCore& of_tf = tf_;
+    return odometry_buffer_ ? *odometry_buffer_ : of_tf;
+  }
+  /// @param latest the wait goes on until odometry knows this time as well, but not longer than the
+  /// parameters say
+  std::optional<Pose> odometryAt(const ros::Time& stamp, const ros::Time& latest,
+                                 std::string* problem);
   std::optional<UpReading> upAt(const ros::Time& stamp, std::string* problem);
+  /// Pose of a sensor relative to the base of the moment. The robot moves on between the stamps of
+  /// its sensors.
+  Pose mountingOf(const std_msgs::Header& header, const std::string& origin,
+                  const ros::Time& moment) const;
   /// @throws InputError when the view cannot be used
-  void addView(const Moment::CameraPart& part, LastMask* last, MomentInput* result);
+  void addView(const Moment::CameraPart& part, const ros::Time& moment, LastMask* last,
+               MomentInput* result);
   /// @throws InputError when the depth image cannot be used
-  void addDepth(const Moment::CameraPart& part, size_t camera, LastMask* last, MomentInput* result);
+  void addDepth(const Moment::CameraPart& part, const ros::Time& moment, size_t camera,
+                LastMask* last, MomentInput* result);
   /// The mask of an image by `mask_policy`; empty: none. @throws InputError when the policy is to
   /// skip the image
   cv::Mat maskFor(const Moment::CameraPart& part, const CameraModel& model,
@@ -68,9 +78,8 @@ class MomentReader {
   tf2_ros::TransformListener tf_listener_;
   std::unique_ptr<tf2::BufferCore> odometry_buffer_;  // of the topic; null: odometry is in tf
   ros::Time odometry_at_;                             // stamp of the newest on the topic
-  Patience odometry_patience_;
-  std::mutex imu_mutex_;
-  std::deque<sensor_msgs::ImuConstPtr> imu_;  // newest last
+  Patience odometry_patience_, sensors_patience_;
+  ImuHistory imu_;
   ros::Subscriber imu_subscriber_;
   std::vector<LastMask> last_masks_;  // by camera
   std::atomic<bool> running_{true};

@@ -134,6 +134,31 @@ TEST(EstimateCovariance, LearnsTheOffsetsOfLines) {
   }
 }
 
+/// Particles that are spread wide are weighed with the wrong calibration as well, so they do not
+/// tell its error. Closed form of one sample: pose Jacobian a, Jacobian b of the principal point.
+TEST(EstimateCovariance, SpreadParticlesDoNotTellTheErrorOfTheCalibration) {
+  const Vector6 a = (Vector6() << 10, 20, 30, 400, 500, 600).finished();
+  const Eigen::Vector3d b(0, 1, 0);
+  PoseObservation seen;
+  seen.information = a * a.transpose();
+  CameraObservation camera{};
+  camera.pull = a * b.transpose();
+  camera.pose_information = seen.information;
+  camera.information = b * b.transpose();
+  camera.gradient.setZero();
+  camera.pose_gradient.setZero();
+  seen.cameras.push_back(camera);
+  const Matrix6 prior = 1e-2 * Matrix6::Identity(), cloud = 1e-4 * Matrix6::Identity();
+  EstimateCovariance covariance;
+  covariance.reset(prior);
+  covariance.correct(seen, prior);
+  covariance.spread(cloud);
+  const Vector6 shift = (1e2 * Matrix6::Identity() + seen.information).inverse() * a;
+  const double five_pixels = 5;  // principal point of a usual calibration
+  const Matrix6 expected = cloud + five_pixels * five_pixels * shift * shift.transpose();
+  EXPECT_TRUE(covariance.covariance().isApprox(expected, 1e-4));
+}
+
 TEST(EstimateCovariance, WithoutImagesMotionAddsItsNoise) {
   EstimateCovariance covariance;
   covariance.reset(Matrix6::Zero());

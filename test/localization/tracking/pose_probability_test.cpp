@@ -13,9 +13,8 @@ UpdateReport edges(double contrast, double lines) {
   return report;
 }
 
-TEST(LogOdds, GrowWithContrastAndLines) {
+TEST(LogOdds, GrowWithContrast) {
   EXPECT_LT(oddsOf(edges(4, 30))->log_odds, oddsOf(edges(8, 30))->log_odds);
-  EXPECT_LT(oddsOf(edges(8, 3))->log_odds, oddsOf(edges(8, 30))->log_odds);
 }
 
 /// A pose that fits by chance has a contrast of about 4, a right one 7 or more.
@@ -79,7 +78,7 @@ TEST(PoseProbability, ImagesWithFewLinesSayLittle) {
   EXPECT_LT(p.value(), 0.8);
   for (int k = 1; k < 30; ++k) p.add(0.1 * k, {6, 1});
   for (int k = 30; k < 33; ++k) p.add(0.1 * k, {-3, 0.2});
-  EXPECT_GT(p.value(), 0.9);
+  EXPECT_GT(p.value(), 0.8);
 }
 
 TEST(PoseProbability, APoseThatTheSearchHasProvenIsTrusted) {
@@ -99,6 +98,30 @@ TEST(PoseProbability, OneImageCanCastDoubt) {
   EXPECT_GT(p.value(), 0.9);
 }
 
+/// A few doubtful images do not take away what the seconds before have proven. A second of images
+/// that contradict does: the robot may have been carried away.
+TEST(PoseProbability, WhatWasProvenOutlastsAFewDoubtfulImages) {
+  PoseProbability p;
+  p.begin(false);
+  for (int k = 0; k < 60; ++k) p.add(0.1 * k, {4, 1});
+  for (int k = 60; k < 65; ++k) p.add(0.1 * k, {-0.7, 1});
+  EXPECT_GT(p.value(), 0.5);  // tracking.keep_probability
+  for (int k = 65; k < 75; ++k) p.add(0.1 * k, {-4, 1});
+  p.add(7.5, {4, 1});
+  EXPECT_LT(p.value(), 0.2);
+}
+
+/// The state after many images, against the stationary point of the two-state model:
+/// the weight of the images of a step balances what the change of state forgets.
+TEST(PoseProbability, CertaintyIsLimitedByTheRateOfChange) {
+  PoseProbability p;
+  p.begin(false);
+  for (int k = 0; k < 4000; ++k) p.add(0.1 * k, {6, 1});
+  // Per step: log-odds + 0.1 / 2 * 6; the change of state (0.01 / s) takes about 0.001 * odds.
+  const double odds = (std::exp(0.3) - 1) / 0.001;
+  EXPECT_NEAR(std::log(p.value() / (1 - p.value())), std::log(odds), 0.25);
+}
+
 TEST(PoseProbability, WithoutImagesItIsForgotten) {
   PoseProbability p;
   p.begin(false);
@@ -108,7 +131,7 @@ TEST(PoseProbability, WithoutImagesItIsForgotten) {
   p.wait(6);
   p.wait(20);
   EXPECT_LT(p.value(), before);
-  EXPECT_LT(p.value(), 0.5);
+  EXPECT_NEAR(p.value(), 0.5, 0.05);
 }
 
 }  // namespace
