@@ -9,6 +9,7 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <numeric>
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/mesh/ray_mesh.h"
@@ -151,6 +152,8 @@ Visibility::Visibility(const MeshModel& mesh, const EdgeModel& model,
       tolerance_(params.occlusion_tolerance > 0 ? params.occlusion_tolerance
                                                 : automaticTolerance(mesh)),
       scene_(std::make_unique<Scene>(mesh)),
+      large_faces_(mesh),
+      tree_(model),
       cache_(std::make_unique<Cache>()) {}
 
 Visibility::~Visibility() = default;
@@ -165,8 +168,23 @@ bool ViewCone::touches(const Eigen::Vector3f& centre, float radius) const {
 VisibleSet Visibility::exact(const Eigen::Vector3d& position, uint32_t thinning,
                              const ViewCone& cone) const {
   const Eigen::Vector3f eye = position.cast<float>();
+  const auto tolerance = static_cast<float>(tolerance_);
+  return tested(eye, thinning, cone, tree_.find([&](const Box& box) {
+    return cone.touches(box.centre - eye, box.half.norm()) &&
+           !large_faces_.hide(eye, box.centre, box.half, tolerance);
+  }));
+}
+
+VisibleSet Visibility::exhaustive(const Eigen::Vector3d& position) const {
+  std::vector<uint32_t> all(model_.segments.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return tested(position.cast<float>(), 1, {}, all);
+}
+
+VisibleSet Visibility::tested(const Eigen::Vector3f& eye, uint32_t thinning, const ViewCone& cone,
+                              const std::vector<uint32_t>& candidates) const {
   std::vector<VisibleSet::Segment> asked;
-  for (uint32_t k = 0; k < model_.segments.size(); ++k) {
+  for (const uint32_t k : candidates) {
     const EdgeSegment& segment = model_.segments[k];
     if (!cone.touches(segment.centre - eye, segment.radius)) continue;
     const EdgeLine& line = model_.lines[segment.line];

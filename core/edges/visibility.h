@@ -13,6 +13,8 @@
 
 #include "edge_mcl/core/base/parameters.h"
 #include "edge_mcl/core/edges/edge_model.h"
+#include "edge_mcl/core/edges/segment_tree.h"
+#include "edge_mcl/core/mesh/large_faces.h"
 
 namespace edge_mcl {
 
@@ -77,6 +79,9 @@ class Visibility {
   VisibleSet exact(const Eigen::Vector3d& position, uint32_t thinning = 1,
                    const ViewCone& cone = {}) const;
 
+  /// The same as exact() without its hierarchy: every sample of the model is tested. For tests.
+  VisibleSet exhaustive(const Eigen::Vector3d& position) const;
+
   /// Visible set of a cell, from the centre of the cell. The first call finds it, later calls read
   /// it from the cache.
   std::shared_ptr<const VisibleSet> cached(const CellKey& cell) const;
@@ -101,12 +106,16 @@ class Visibility {
  private:
   struct Scene;
   struct Cache;
+  VisibleSet tested(const Eigen::Vector3f& eye, uint32_t thinning, const ViewCone& cone,
+                    const std::vector<uint32_t>& candidates) const;
   void removeHidden(const Eigen::Vector3f& eye, std::vector<VisibleSet::Segment>* segments) const;
   const EdgeModel& model_;
   VisibilityParameters params_;
   double cell_size_;
   double tolerance_;
   std::unique_ptr<Scene> scene_;
+  LargeFaces large_faces_;
+  SegmentTree tree_;
   std::unique_ptr<Cache> cache_;
 };
 

@@ -72,7 +72,7 @@ struct Batch {
   std::vector<uint32_t> cell;   ///< of every particle: index into sets
   std::vector<std::shared_ptr<const VisibleSet>> sets;
 
-  /// Of every segment: samples that remain after thinning; empty: all.
+  /// Of every segment that a set holds: samples that remain after thinning; empty: all.
   std::vector<uint16_t> used;
 
   const Pose& pose(size_t i) const { return (*poses)[order[i]]; }
@@ -80,8 +80,11 @@ struct Batch {
 
   void thin(const EdgeModel& model) {
     if (frame->thinning <= 1) return;
-    used.reserve(model.segments.size());
-    for (const EdgeSegment& s : model.segments) used.push_back(usedSamples(s, frame->thinning));
+    used.assign(model.segments.size(), 0);
+    for (const auto& set : sets)
+      for (const VisibleSet::Segment& s : set->segments)
+        if (used[s.index] == 0)
+          used[s.index] = usedSamples(model.segments[s.index], frame->thinning);
   }
 };
 

@@ -87,6 +87,60 @@ TEST(Visibility, RaysTracedTogetherAgreeWithEveryTriangleTriedAlone) {
       << differ << " of " << all;
 }
 
+/// The hierarchy only leaves out what rays would find hidden. Every bit agrees with the search
+/// through all segments.
+TEST(Visibility, TheHierarchyLeavesOutNothingThatIsSeen) {
+  std::vector<MeshModel> meshes;
+  meshes.push_back(test::furnishedRooms());
+  for (const char* name : {"office.obj", "house.obj", "hall.obj"})
+    meshes.push_back(loadMesh(std::string(EDGE_MCL_MAPS) + "/" + name, {}));
+  RandomSource random(13);
+  for (MeshModel& mesh : meshes) {
+    const EdgeModel edges = buildEdgeModel(&mesh, {});
+    const Visibility visibility(mesh, edges, {});
+    const Eigen::Vector3d low = mesh.lowest.cast<double>(), high = mesh.highest.cast<double>();
+    for (int k = 0; k < 60; ++k) {
+      // Also from outside of the building.
+      Eigen::Vector3d p;
+      for (int a = 0; a < 3; ++a) p[a] = low[a] - 0.5 + (high[a] - low[a] + 1) * random.uniform();
+      const VisibleSet found = visibility.exact(p), truth = visibility.exhaustive(p);
+      EXPECT_EQ(keysOf(found), keysOf(truth)) << p.transpose();
+      EXPECT_EQ(found.group_count, truth.group_count);
+    }
+  }
+}
+
+TEST(SegmentTree, FindsEverySegmentOnceInOrder) {
+  MeshModel mesh = test::furnishedRooms();
+  const EdgeModel edges = buildEdgeModel(&mesh, {});
+  const std::vector<uint32_t> all = SegmentTree(edges).find([](const Box&) { return true; });
+  ASSERT_EQ(all.size(), edges.segments.size());
+  for (uint32_t k = 0; k < all.size(); ++k) EXPECT_EQ(all[k], k);
+}
+
+/// A box that holds a segment holds its samples.
+TEST(SegmentTree, BoxesHoldTheirSamples) {
+  MeshModel mesh = test::furnishedRooms();
+  const EdgeModel edges = buildEdgeModel(&mesh, {});
+  const SegmentTree tree(edges);
+  RandomSource random(3);
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::Vector3d at(8 * random.uniform(), 5 * random.uniform(), 2.6 * random.uniform());
+    const double radius = 0.1 + random.uniform();
+    const std::vector<uint32_t> found = tree.find([&](const Box& box) {
+      const Eigen::Array3d away =
+          (at - box.centre.cast<double>()).array().abs() - box.half.cast<double>().array();
+      return away.max(0.0).matrix().norm() <= radius + 1e-5;
+    });
+    for (uint32_t s = 0; s < edges.segments.size(); ++s)
+      for (uint32_t i = 0; i < edges.segments[s].sample_count; ++i)
+        if ((edges.samplePosition(edges.segments[s], i) - at).norm() < radius) {
+          EXPECT_TRUE(std::binary_search(found.begin(), found.end(), s));
+          break;
+        }
+  }
+}
+
 /// The visible set of a cone is compared with the visible set of all directions. Every sample in
 /// the cone must be kept, and no other sample may be added.
 TEST(Visibility, AConeLeavesOutWhatLiesOutsideAndNothingElse) {
