@@ -91,12 +91,12 @@ EdgeThresholds::EdgeThresholds(const cv::Mat& gradient_x, const cv::Mat& gradien
   }
   Samples samples;
   samples.squares.reserve(gradient_x.total() / 9 + 1);
-  if (tile_ > 0) samples.counts.assign(static_cast<size_t>(rows_ * columns_ * kLevels), 0);
+  const size_t tiles = static_cast<size_t>(rows_) * static_cast<size_t>(columns_);
+  if (tile_ > 0) samples.counts.assign(tiles * kLevels, 0);
   for (int y = 1; y < gradient_x.rows; y += 3) {
     const int16_t *gx = gradient_x.ptr<int16_t>(y), *gy = gradient_y.ptr<int16_t>(y);
     const uint8_t* ignored = ignore.empty() ? nullptr : ignore.ptr<uint8_t>(y);
-    int32_t* counts =
-        tile_ > 0 ? &samples.counts[static_cast<size_t>(y / tile_ * columns_ * kLevels)] : nullptr;
+    int32_t* counts = tile_ > 0 ? &samples.counts[indexOf(0, y / tile_) * kLevels] : nullptr;
     int next = tile_;  // first column of the next tile
     for (int x = 1; x < gradient_x.cols; x += 3) {
       if (counts && x >= next) {
@@ -111,19 +111,18 @@ EdgeThresholds::EdgeThresholds(const cv::Mat& gradient_x, const cv::Mat& gradien
   }
   const Limits limits = limitsOf(&samples.squares, params, least);
   strong_ = limits.strong;
-  tiles_.assign(static_cast<size_t>(rows_ * columns_), squaresOf(strong_, params));
+  tiles_.assign(tiles, squaresOf(strong_, params));
   for (int row = 0; tile_ > 0 && row < rows_; ++row)
     for (int column = 0; column < columns_; ++column) {
       std::array<int32_t, kLevels> around{};
       for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
         for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c) {
-          const int32_t* counts =
-              &samples.counts[static_cast<size_t>((r * columns_ + c) * kLevels)];
+          const int32_t* counts = &samples.counts[indexOf(c, r) * kLevels];
           for (int level = 0; level < kLevels; ++level) around[level] += counts[level];
         }
       const double own = std::sqrt(static_cast<double>(exceededBy(params.edge_share, around)));
       const double strong = std::min(strong_, std::max(limits.lowest, std::sqrt(own * strong_)));
-      tiles_[static_cast<size_t>(row * columns_ + column)] = squaresOf(strong, params);
+      tiles_[indexOf(column, row)] = squaresOf(strong, params);
     }
 }
 

@@ -29,7 +29,7 @@ class EdgeThresholds {
     int32_t weak, strong;
   };
   const Squares& at(int x, int y) const {
-    return tile_ > 0 ? tiles_[static_cast<size_t>(y / tile_ * columns_ + x / tile_)] : tiles_[0];
+    return tile_ > 0 ? tiles_[indexOf(x / tile_, y / tile_)] : tiles_[0];
   }
 
   /// Side of a tile, pixels: a third of `image.contrast_window`, since the contrast of a tile is
@@ -42,6 +42,9 @@ class EdgeThresholds {
   static uint32_t lowestOf(int level);
 
  private:
+  size_t indexOf(int column, int row) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
+  }
   Squares squaresOf(double strong, const ImageParameters& params) const;
 
   double strong_ = 0;

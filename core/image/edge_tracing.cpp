@@ -19,18 +19,19 @@ class Squares {
   Squares(const cv::Mat& gradient_x, const cv::Mat& gradient_y, int first, int last)
       : stride_(gradient_x.cols + 2),
         first_(first - 1),
-        values_(static_cast<size_t>((last - first + 2) * stride_), 0) {
+        values_(static_cast<size_t>(last - first + 2) * static_cast<size_t>(stride_), 0) {
     for (int y = std::max(0, first_); y < std::min(gradient_x.rows, last + 1); ++y) {
       const int16_t *gx = gradient_x.ptr<int16_t>(y), *gy = gradient_y.ptr<int16_t>(y);
       int32_t* to = row(y);
       for (int x = 0; x < gradient_x.cols; ++x) to[x] = gx[x] * gx[x] + gy[x] * gy[x];
     }
   }
-  int32_t* row(int y) { return &values_[static_cast<size_t>((y - first_) * stride_ + 1)]; }
+  int32_t* row(int y) { return values_.data() + (y - first_) * stride_ + 1; }
   ptrdiff_t stride() const { return stride_; }
 
  private:
-  int stride_, first_;
+  ptrdiff_t stride_;
+  int first_;
   std::vector<int32_t> values_;
 };
 

@@ -107,8 +107,9 @@ class Grid {
       high = high.cwiseMax(p);
     }
     for (int i = 0; i < kSide * kSide; ++i) {
-      const Point p = corner + Point((i % kSide + 0.5) * size_[0] / kSide,
-                                     (i / kSide + 0.5) * size_[1] / kSide);
+      const int column = i % kSide, row = i / kSide;
+      const Point p =
+          corner + Point((column + 0.5) * size_[0] / kSide, (row + 0.5) * size_[1] / kSide);
       if (p.x() < low.x() - kOnEdge || p.x() > high.x() + kOnEdge || p.y() < low.y() - kOnEdge ||
           p.y() > high.y() + kOnEdge)
         continue;
@@ -277,6 +278,7 @@ std::vector<std::vector<uint32_t>> byPlane(const Triangles& all) {
         .push_back(t);
   }
   std::vector<std::vector<uint32_t>> result;
+  result.reserve(planes.size());
   for (auto& [key, members] : planes) result.push_back(std::move(members));
   return result;
 }

@@ -61,7 +61,7 @@ std::optional<Pose> MomentReader::odometryAt(const ros::Time& stamp, const ros::
         [] { ros::WallDuration(0.002).sleep(); }, [&] { return running_.load(); });
   };
   try {
-    if (const std::optional<Pose> found = await(stamp, &odometry_patience_)) {
+    if (std::optional<Pose> found = await(stamp, &odometry_patience_)) {
       // The other sensors are brought to their own times where odometry knows them.
       if (latest > stamp) await(latest, &sensors_patience_);
       return found;
@@ -89,7 +89,7 @@ std::optional<UpReading> MomentReader::upAt(const ros::Time& stamp, std::string*
 
 Pose MomentReader::mountingOf(const std_msgs::Header& header, const std::string& origin,
                               const ros::Time& moment) const {
-  const Pose T_base_sensor = sensorMounting(tf_, params_.base_frame_id, header, origin);
+  Pose T_base_sensor = sensorMounting(tf_, params_.base_frame_id, header, origin);
   if (params_.odometry == "none") return T_base_sensor;
   return baseMotion(odometryBuffer(), params_.odom_frame_id, params_.base_frame_id, moment,
                     header.stamp) *
