@@ -108,9 +108,8 @@ struct ImageParameters {
       "robust model: side of the window in which the density of image edges is measured");
     v("reference_width", reference_width, "px", from(0, 100000),
       "all lengths in pixels (image, likelihood, refinement, tracking.min_edge_pixels) hold for "
-      "4:3 "
-      "images of this width and are scaled for images of another size; 0 = they hold for every "
-      "image");
+      "4:3 images of this width and are scaled for images of another size; 0 = they hold for "
+      "every image");
   }
 };
 

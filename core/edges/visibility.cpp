@@ -11,33 +11,7 @@
 #include <mutex>
 #include <numeric>
 
-#include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/mesh/ray_mesh.h"
-
 namespace edge_mcl {
-
-/// Embree's device and a scene with the mesh. Both are null when the model has no faces.
-struct Visibility::Scene {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-
-  explicit Scene(const MeshModel& mesh) {
-    if (mesh.triangles.empty()) return;
-    device = rtcNewDevice(nullptr);
-    if (!device) throw Error("visibility: the ray caster cannot be started");
-    scene = rtcNewScene(device);
-    // Robust: a ray through a shared edge or vertex must not slip between the faces of the mesh.
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    attachMesh(device, scene, mesh);
-    rtcCommitScene(scene);
-  }
-  ~Scene() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
-  }
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
-};
 
 /// Visible sets by cell. The least recently used cell is dropped first.
 struct Visibility::Cache {
@@ -151,7 +125,8 @@ Visibility::Visibility(const MeshModel& mesh, const EdgeModel& model,
       cell_size_(params.cell_size > 0 ? params.cell_size : automaticCellSize(mesh)),
       tolerance_(params.occlusion_tolerance > 0 ? params.occlusion_tolerance
                                                 : automaticTolerance(mesh)),
-      scene_(std::make_unique<Scene>(mesh)),
+      scene_(mesh.triangles.empty() ? nullptr
+                                    : std::make_unique<RayScene>(mesh, RayScene::Rays::kRobust)),
       large_faces_(mesh),
       tree_(model),
       cache_(std::make_unique<Cache>()) {}
@@ -197,7 +172,7 @@ VisibleSet Visibility::tested(const Eigen::Vector3f& eye, uint32_t thinning, con
     seen.samples = usedSamples(segment, thinning);
     if (seen.samples) asked.push_back(seen);
   }
-  if (scene_->scene) removeHidden(eye, &asked);
+  if (scene_) removeHidden(eye, &asked);
 
   VisibleSet result;
   result.model = &model_;
@@ -218,7 +193,7 @@ VisibleSet Visibility::tested(const Eigen::Vector3f& eye, uint32_t thinning, con
 void Visibility::removeHidden(const Eigen::Vector3f& eye,
                               std::vector<VisibleSet::Segment>* segments) const {
   const auto tolerance = static_cast<float>(tolerance_);
-  RayPacket packet(scene_->scene, eye);
+  RayPacket packet(scene_->get(), eye);
   for (VisibleSet::Segment& seen : *segments) {
     const EdgeSegment& segment = model_.segments[seen.index];
     // A copy, because the packet clears bits of seen.samples during this loop.

@@ -15,6 +15,7 @@
 #include "edge_mcl/core/edges/edge_model.h"
 #include "edge_mcl/core/edges/segment_tree.h"
 #include "edge_mcl/core/mesh/large_faces.h"
+#include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
 
@@ -104,7 +105,6 @@ class Visibility {
   CacheStatistics statistics() const;
 
  private:
-  struct Scene;
   struct Cache;
   VisibleSet tested(const Eigen::Vector3f& eye, uint32_t thinning, const ViewCone& cone,
                     const std::vector<uint32_t>& candidates) const;
@@ -113,7 +113,7 @@ class Visibility {
   VisibilityParameters params_;
   double cell_size_;
   double tolerance_;
-  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<RayScene> scene_;  // null: the model has no faces
   LargeFaces large_faces_;
   SegmentTree tree_;
   std::unique_ptr<Cache> cache_;

@@ -2,9 +2,6 @@
 
 #include <embree3/rtcore.h>
 
-#include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/mesh/ray_mesh.h"
-
 namespace edge_mcl {
 
 Eigen::Vector3d closestPointOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
@@ -22,26 +19,8 @@ Eigen::Vector3d closestPointOnTriangle(const Eigen::Vector3d& p, const Eigen::Ve
   return a + (vb * ab + vc * ac) / (va + vb + vc);
 }
 
-struct ClosestFace::Scene {
-  const MeshModel& mesh;
-  RTCDevice device;
-  RTCScene scene = nullptr;
-
-  explicit Scene(const MeshModel& m) : mesh(m), device(rtcNewDevice(nullptr)) {
-    if (!device) throw Error("closest face: the ray caster cannot be started");
-    scene = rtcNewScene(device);
-    attachMesh(device, scene, mesh);
-    rtcCommitScene(scene);
-  }
-  ~Scene() {
-    if (scene) rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
-};
-
-ClosestFace::ClosestFace(const MeshModel& mesh) : scene_(std::make_unique<Scene>(mesh)) {}
+ClosestFace::ClosestFace(const MeshModel& mesh)
+    : mesh_(mesh), scene_(std::make_unique<RayScene>(mesh)) {}
 ClosestFace::~ClosestFace() = default;
 
 ClosestFace::Hit ClosestFace::find(const Eigen::Vector3d& point, double reach) const {
@@ -49,7 +28,7 @@ ClosestFace::Hit ClosestFace::find(const Eigen::Vector3d& point, double reach) c
     const MeshModel* mesh;
     Eigen::Vector3d point;
     Hit hit;
-  } query{&scene_->mesh, point, {}};
+  } query{&mesh_, point, {}};
   query.hit.distance = reach;
   RTCPointQuery sphere{};
   sphere.x = static_cast<float>(point.x());
@@ -74,7 +53,7 @@ ClosestFace::Hit ClosestFace::find(const Eigen::Vector3d& point, double reach) c
     arguments->query->radius = static_cast<float>(distance * (1 + 1e-6) + 1e-7);
     return true;
   };
-  rtcPointQuery(scene_->scene, &sphere, &context, look, &query);
+  rtcPointQuery(scene_->get(), &sphere, &context, look, &query);
   return query.hit;
 }
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "edge_mcl/core/mesh/mesh_model.h"
+#include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
 
@@ -37,8 +37,8 @@ class ClosestFace {
   Hit find(const Eigen::Vector3d& point, double reach) const;
 
  private:
-  struct Scene;
-  std::unique_ptr<Scene> scene_;
+  const MeshModel& mesh_;
+  std::unique_ptr<RayScene> scene_;
 };
 
 }  // namespace edge_mcl

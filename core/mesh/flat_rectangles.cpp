@@ -53,7 +53,7 @@ class Grid {
         low = low.cwiseMin(p);
         high = high.cwiseMax(p);
       }
-    // A huge plane gets larger cells, so that the memory stays below 64 MB.
+    // A huge plane gets larger cells, so that a grid takes at most 80 MB while it is made.
     constexpr double kMostCells = 8e6;
     const Point extent = high - low;
     cell = std::max(cell, std::sqrt(extent.x() * extent.y() / kMostCells));

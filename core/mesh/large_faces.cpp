@@ -3,11 +3,6 @@
 #include <embree3/rtcore.h>
 
 #include <cmath>
-#include <vector>
-
-#include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/mesh/flat_rectangles.h"
-#include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
 
@@ -47,41 +42,21 @@ bool hides(const Rectangle& face, const Corner& eye, const Corner& box, const Co
 
 }  // namespace
 
-struct LargeFaces::Scene {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  std::vector<Rectangle> faces;  // two triangles each in the scene
-
-  ~Scene() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
-  }
-};
-
-LargeFaces::LargeFaces(const MeshModel& mesh) : scene_(std::make_unique<Scene>()) {
-  scene_->faces = flatRectangles(mesh, kSmallest);
-  if (scene_->faces.empty()) return;
-  MeshModel halves;
-  for (const Rectangle& face : scene_->faces) {
+LargeFaces::LargeFaces(const MeshModel& mesh) : faces_(flatRectangles(mesh, kSmallest)) {
+  if (faces_.empty()) return;
+  MeshModel halves;  // two triangles of every face
+  for (const Rectangle& face : faces_) {
     const auto first = static_cast<uint32_t>(halves.vertices.size());
     for (const Corner& corner : face) halves.vertices.push_back(corner.cast<float>());
     halves.triangles.push_back({first, first + 1, first + 2});
     halves.triangles.push_back({first, first + 2, first + 3});
   }
-  scene_->device = rtcNewDevice(nullptr);
-  if (!scene_->device) throw Error("visibility: the ray caster cannot be started");
-  scene_->scene = rtcNewScene(scene_->device);
-  attachMesh(scene_->device, scene_->scene, halves);
-  rtcCommitScene(scene_->scene);
+  scene_ = std::make_unique<RayScene>(halves);
 }
-
-LargeFaces::~LargeFaces() = default;
-
-size_t LargeFaces::count() const { return scene_->faces.size(); }
 
 bool LargeFaces::hide(const Eigen::Vector3f& eye, const Eigen::Vector3f& centre,
                       const Eigen::Vector3f& half, float margin) const {
-  if (!scene_->scene || ((eye - centre).cwiseAbs() - half).maxCoeff() <= 0) return false;
+  if (!scene_ || ((eye - centre).cwiseAbs() - half).maxCoeff() <= 0) return false;
   const Eigen::Vector3f direction = centre - eye;
   const Corner from = eye.cast<double>(), box = centre.cast<double>() - from;
   const Corner sides = half.cast<double>();
@@ -102,9 +77,9 @@ bool LargeFaces::hide(const Eigen::Vector3f& eye, const Eigen::Vector3f& centre,
     ray.ray.tfar = 1;
     ray.ray.mask = 0xffffffffu;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_->scene, &context, &ray);
+    rtcIntersect1(scene_->get(), &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    if (hides(scene_->faces[ray.hit.primID / 2], from, box, sides, margin)) return true;
+    if (hides(faces_[ray.hit.primID / 2], from, box, sides, margin)) return true;
     begin = ray.ray.tfar * 1.0001f + 1e-6f;
   }
   return false;

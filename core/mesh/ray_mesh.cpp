@@ -27,6 +27,25 @@ void attachMesh(RTCDeviceTy* device, RTCSceneTy* scene, const MeshModel& mesh) {
   rtcReleaseGeometry(geometry);
 }
 
+RayScene::RayScene(const MeshModel& mesh, Rays rays) : device_(rtcNewDevice(nullptr)) {
+  if (!device_) throw Error("the ray caster cannot be started");
+  scene_ = rtcNewScene(device_);
+  if (rays == Rays::kRobust) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+  try {
+    attachMesh(device_, scene_, mesh);
+  } catch (...) {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+    throw;
+  }
+  rtcCommitScene(scene_);
+}
+
+RayScene::~RayScene() {
+  rtcReleaseScene(scene_);
+  rtcReleaseDevice(device_);
+}
+
 bool isBlocked(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f& to,
                float margin, float end_margin) {
   RTCRay ray{};

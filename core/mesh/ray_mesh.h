@@ -13,6 +13,25 @@ namespace edge_mcl {
 /// @throws Error when memory runs out.
 void attachMesh(RTCDeviceTy* device, RTCSceneTy* scene, const MeshModel& mesh);
 
+/// An Embree device with a committed scene that holds one mesh.
+class RayScene {
+ public:
+  enum class Rays {
+    kFast,
+    kRobust  ///< a ray through a shared edge or vertex does not slip between the faces
+  };
+  /// @throws Error when the ray caster cannot be started or memory runs out.
+  explicit RayScene(const MeshModel& mesh, Rays rays = Rays::kFast);
+  ~RayScene();
+  RayScene(const RayScene&) = delete;
+  RayScene& operator=(const RayScene&) = delete;
+  RTCSceneTy* get() const { return scene_; }
+
+ private:
+  RTCDeviceTy* device_;
+  RTCSceneTy* scene_;
+};
+
 /// Whether a surface lies between two points (map frame, metres).
 /// @param margin share of the way that is ignored at its start.
 /// @param end_margin share of the way that is ignored at its end.

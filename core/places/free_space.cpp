@@ -1,33 +1,13 @@
 #include "edge_mcl/core/places/free_space.h"
 
-#include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/mesh/closest_point.h"
-#include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
-
-struct FreeSpace::Scene {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  explicit Scene(const MeshModel& mesh) {
-    device = rtcNewDevice(nullptr);
-    if (!device) throw Error("free space: the ray caster cannot be started");
-    scene = rtcNewScene(device);
-    attachMesh(device, scene, mesh);
-    rtcCommitScene(scene);
-  }
-  ~Scene() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
-};
 
 namespace {
 
@@ -53,7 +33,7 @@ FreeSpace::FreeSpace(const MeshModel& mesh, const Options& options) : options_(o
     high_ = high_.cwiseMax(v.cast<double>());
   }
   if (!mesh.triangles.empty()) {
-    scene_ = std::make_unique<Scene>(mesh);
+    scene_ = std::make_unique<RayScene>(mesh);
     closest_ = std::make_unique<ClosestFace>(mesh);
   }
   // A coarse grid tells whether the model surrounds any space.
@@ -84,7 +64,7 @@ bool FreeSpace::isSurrounded(const Eigen::Vector3d& position) const {
   for (const Eigen::Vector3d& d : kDirections) {
     const Eigen::Vector3d end = position + reach * d;
     blocked +=
-        edge_mcl::isBlocked(scene_->scene, position.cast<float>(), end.cast<float>(), 0, 0) ? 1 : 0;
+        edge_mcl::isBlocked(scene_->get(), position.cast<float>(), end.cast<float>(), 0, 0) ? 1 : 0;
   }
   return blocked >= options_.enclosure * static_cast<double>(kDirections.size());
 }

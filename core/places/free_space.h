@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "edge_mcl/core/mesh/mesh_model.h"
+#include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
 
@@ -45,12 +45,11 @@ class FreeSpace {
   std::vector<Eigen::Vector3d> places(double spacing) const;
 
  private:
-  struct Scene;
   bool isClear(const Eigen::Vector3d& position, double clearance) const;
   bool isSurrounded(const Eigen::Vector3d& position) const;
   Options options_;
   Eigen::Vector3d low_, high_;
-  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<RayScene> scene_;
   std::unique_ptr<ClosestFace> closest_;
   bool enclosed_ = false;
   double volume_ = 0;

@@ -122,6 +122,18 @@ TEST(PoseProbability, CertaintyIsLimitedByTheRateOfChange) {
   EXPECT_NEAR(std::log(p.value() / (1 - p.value())), std::log(odds), 0.25);
 }
 
+/// The first image after a gap shows something new, so it has its full weight: that of the time
+/// since the last image, not since the last moment without one.
+TEST(PoseProbability, TheFirstImageAfterAGapCountsInFull) {
+  PoseProbability p;
+  p.begin(false);
+  p.add(0, {0, 1});
+  for (int k = 1; k < 50; ++k) p.wait(0.1 * k);
+  p.add(5, {2, 1});
+  // Odds of 1 before, two seconds and more since the last image: log-odds of 2.
+  EXPECT_NEAR(std::log(p.value() / (1 - p.value())), 2, 0.05);
+}
+
 TEST(PoseProbability, WithoutImagesItIsForgotten) {
   PoseProbability p;
   p.begin(false);
