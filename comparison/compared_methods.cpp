@@ -6,6 +6,7 @@
 #include "edge_mcl/comparison/mrpt_filter_3d.h"
 #include "edge_mcl/comparison/own_filters.h"
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "edge_mcl/mrpt_plugins/CEdgeMap.h"
 
 namespace edge_mcl {

@@ -7,6 +7,7 @@
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/image/edge_field.h"
 #include "edge_mcl/core/image/pixel_scale.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 
 namespace edge_mcl {
 

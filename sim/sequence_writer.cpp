@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "edge_mcl/core/mesh/mesh_model.h"
 #include "edge_mcl/core/recordings/text_table.h"
 

@@ -5,13 +5,26 @@
 #include <cstdio>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "edge_mcl/sim/random_flight.h"
 
 namespace edge_mcl {
 
+namespace {
+
+MeshModel buildingOf(const std::string& file) {
+  MeshModel building = loadMesh(file, {});
+  if (!building.origin.isZero())
+    throw InputError(file +
+                     ": the model is far from its origin; move it there to simulate flights");
+  return building;
+}
+
+}  // namespace
+
 Simulator::Simulator(Scenario scenario)
     : scenario_(std::move(scenario)),
-      scene_(std::make_unique<Scene>(loadMesh(scenario_.model_file, {}))),
+      scene_(std::make_unique<Scene>(buildingOf(scenario_.model_file))),
       odometry_(scenario_.odometry, scenario_.seed * 3 + 1),
       random_(scenario_.seed * 3 + 2) {
   if (scenario_.random_duration > 0)
@@ -94,9 +107,9 @@ std::vector<std::string> Simulator::notes() const {
   notes.emplace_back(text);
   std::snprintf(text, sizeof text,
                 "camera: noise %g grey levels, exposure swing %g over %g s, exposure %g s, dropped "
-                "%g; depth and masks are exact",
+                "%g, depth noise %g z^2; masks are exact",
                 s.faults.noise, s.faults.exposure_swing, s.faults.exposure_period,
-                s.faults.exposure_time, s.faults.dropped);
+                s.faults.exposure_time, s.faults.dropped, s.faults.depth_noise);
   notes.emplace_back(text);
   std::snprintf(text, sizeof text, "%zu movable objects, seed %llu", s.objects.size(),
                 static_cast<unsigned long long>(s.seed));
@@ -148,6 +161,7 @@ bool Simulator::take(double time, const std::function<Pose(double)>& cameraAt, b
   }
   spoil(faults, time, scenario_.seed * 1000003 + number, &image.color);
   frame->color = image.color;
+  spoilDepth(faults, scenario_.seed * 1000003 + number, &image.depth);
   image.depth.convertTo(frame->depth, CV_16U, scenario_.depth_scale);
   frame->depth.setTo(0, image.depth > 65535 / scenario_.depth_scale);
   cv::Mat building, nothing;

@@ -4,15 +4,24 @@
 /// printing and the documentation use that list.
 #pragma once
 
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "edge_mcl/core/base/parameter_range.h"
 
 namespace edge_mcl {
 
 /// The 3D model and how its edges are found.
 struct MapParameters {
-  double scale = 1;
+  double scale = 0;
   double x = 0, y = 0, z = 0;
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;
+  std::string mirror = "none";
+  std::string origin = "auto";
+  bool absolute_poses = true;
+  std::string include, exclude;
   double crease_angle_deg = 27;
   bool boundaries = true;
   bool material_borders = true;
@@ -20,16 +29,31 @@ struct MapParameters {
   double weld_tolerance = 0;
   double sample_step = 0;
   double min_line_length = 0;
+  bool seams = false;
+  double import_seconds = 0;
+  double import_gigabytes = 0;
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("scale", scale, "", positive(), "factor from the file's unit to metres");
+    v("scale", scale, "", notNegative(),
+      "factor from the file's unit to metres; 0 = the unit that the file states, else the metre");
     v("x", x, "m", anyValue(), "position of the file's origin in the map");
     v("y", y, "m", anyValue(), "position of the file's origin in the map");
     v("z", z, "m", anyValue(), "position of the file's origin in the map");
     v("yaw_deg", yaw_deg, "deg", anyValue(), "rotation of the file's axes in the map, about z");
     v("pitch_deg", pitch_deg, "deg", anyValue(), "rotation after yaw, about the new y axis");
     v("roll_deg", roll_deg, "deg", anyValue(), "rotation after pitch, about the new x axis");
+    v("mirror", mirror, "", oneOf("none|x|y|z"), "axis of the file whose sign is changed");
+    v("origin", origin, "m", anyValue(),
+      "position of the map frame in the file's coordinates: X,Y,Z, or auto: 0,0,0 unless the model "
+      "is more than 5 km from there, then its lowest corner rounded to 100 m");
+    v("absolute_poses", absolute_poses, "", anyValue(),
+      "poses of recordings and of the results of tools are in the file's coordinates; false = they "
+      "are relative to the origin of the map frame. The nodes' poses are always relative to it");
+    v("include", include, "", anyValue(),
+      "names of the objects to read, separated by commas, * stands for any text; empty = all");
+    v("exclude", exclude, "", anyValue(),
+      "names of the objects not to read, like include, e.g. *Furniture*,*Ceiling*");
     v("crease_angle_deg", crease_angle_deg, "deg", between(0, 180),
       "an edge is a crease when its two faces meet at this dihedral angle or more");
     v("boundaries", boundaries, "", anyValue(), "edges with only one face are feature edges");
@@ -43,7 +67,19 @@ struct MapParameters {
       "distance between samples along a line; 0 = automatic");
     v("min_line_length", min_line_length, "m", notNegative(),
       "feature lines shorter than this are ignored");
+    v("seams", seams, "", anyValue(),
+      "edges that are not seen are feature edges, too: seams in flat surfaces, and edges that "
+      "other "
+      "parts cover");
+    v("import_seconds", import_seconds, "s", notNegative(),
+      "longest time for reading the model file; 0 = 20 s, and 2 s for each megabyte");
+    v("import_gigabytes", import_gigabytes, "GB", notNegative(),
+      "most memory for reading the model file; 0 = 4 GB, and 60 times the size of the file");
   }
+  /// What is wrong with texts, one text each.
+  std::vector<std::string> faults() const;
+  /// Origin of the map frame in the file's coordinates, m. Empty: automatic.
+  std::optional<std::array<double, 3>> givenOrigin() const;
 };
 
 /// Hidden-line removal.

@@ -1,12 +1,29 @@
 #include "edge_mcl/core/base/parameters.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/base/parameter_struct.h"
 #include "edge_mcl/core/base/yaml_file.h"
 
 namespace edge_mcl {
+
+namespace {
+
+/// Text of a value in YAML. An empty text and one with a special character need quotes.
+std::string yamlScalar(const std::string& value) {
+  const bool is_plain =
+      !value.empty() && std::all_of(value.begin(), value.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '.' || c == '-' || c == '+' || c == '_';
+      });
+  if (is_plain) return value;
+  std::string quoted = "'";
+  for (const char c : value) quoted += c == '\'' ? "''" : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
 
 void Parameters::set(const std::string& dotted_name, const std::string& value) {
   setParameter(dotted_name, value, this);
@@ -26,7 +43,7 @@ std::string Parameters::toYaml() const {
       group = d.name.substr(0, dot);
       text += group + ":\n";
     }
-    text += "  " + d.name.substr(dot + 1) + ": " + d.value + "   # " +
+    text += "  " + d.name.substr(dot + 1) + ": " + yamlScalar(d.value) + "   # " +
             (d.unit.empty() ? "" : "[" + d.unit + "] ") + d.text + " (" + d.range + ")\n";
   }
   return text;
@@ -62,6 +79,7 @@ std::vector<std::string> Parameters::faults() const {
   const auto require = [&](bool good, const std::string& name, const std::string& rule) {
     if (!good) list.push_back(name + " = " + get(name) + " must be " + rule);
   };
+  for (const std::string& fault : map.faults()) list.push_back("map." + fault);
   require(depth.max_range > depth.min_range, "depth.max_range", "more than depth.min_range");
   // The kernel computes in single precision with residuals in units of sigma.
   require(depth.sigma >= 1e-4 * depth.truncation, "depth.sigma",

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "edge_mcl/core/base/angles.h"
+#include "edge_mcl/core/edges/covered_edges.h"
 #include "edge_mcl/core/edges/line_merging.h"
 
 namespace edge_mcl {
@@ -55,11 +56,13 @@ class Patches {
 std::vector<HalfEdge> sortedHalfEdges(const MeshModel& mesh) {
   std::vector<HalfEdge> edges;
   edges.reserve(3 * mesh.triangles.size());
-  for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+  for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!mesh.hides_only.empty() && mesh.hides_only[t]) continue;
     for (int k = 0; k < 3; ++k) {
       const uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
       edges.push_back({std::min(a, b), std::max(a, b), t, a < b});
     }
+  }
   std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
     if (a.low != b.low) return a.low < b.low;
     if (a.high != b.high) return a.high < b.high;
@@ -92,6 +95,7 @@ Eigen::Vector3f intoFace(const MeshModel& mesh, uint32_t triangle, const EdgeLin
 
 struct FoundEdges {
   std::vector<EdgeLine> features;
+  std::vector<bool> is_shared;             // of every feature: whether it has three or more faces
   std::vector<EdgeLine> contours;          // candidates
   std::vector<uint32_t> contour_triangle;  // one adjacent triangle each
 };
@@ -168,6 +172,7 @@ FoundEdges classifyEdges(MeshModel* mesh, const MapParameters& params, Patches* 
         found.contour_triangle.push_back(edges[i].triangle);
       }
     }
+    found.is_shared.resize(found.features.size(), faces > 2);
     i = j;
   }
   return found;
@@ -231,6 +236,12 @@ EdgeModel buildEdgeModel(MeshModel* mesh, const MapParameters& params) {
   EdgeModel model;
   Patches patches(mesh->triangles.size());
   FoundEdges found = classifyEdges(mesh, params, &patches);
+  if (!params.seams) {
+    const CoveredEdges covered =
+        dropCoveredEdges(*mesh, params.material_borders, found.is_shared, &found.features);
+    mesh->report.covered_edges = covered.count;
+    mesh->report.covered_length = covered.length;
+  }
   for (const auto& l : mesh->lines) {
     EdgeLine line;
     line.start = mesh->vertices[l[0]];

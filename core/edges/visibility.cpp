@@ -86,6 +86,10 @@ double automaticCellSize(const MeshModel& mesh) {
   return std::clamp(0.02 * mesh.diagonal(), 0.02, 0.10);
 }
 double automaticTolerance(const MeshModel& mesh) {
+  // The faces of a scan lie beside its lines, by the noise of the scan and by the size of the faces
+  // (5 cm by default).
+  constexpr double kScan = 0.08;
+  if (!mesh.hides_only.empty()) return kScan;
   return std::clamp(0.002 * mesh.diagonal(), 1e-4, 0.01);
 }
 

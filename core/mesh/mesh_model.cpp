@@ -149,6 +149,7 @@ MeshModel weldMesh(MeshSoup soup, double weld_tolerance, const std::string& orig
     const auto& t = soup.triangles[k.triangle];
     mesh.triangles.push_back({use(t[0]), use(t[1]), use(t[2])});
     mesh.triangle_material.push_back(soup.triangle_material[k.triangle]);
+    if (!soup.hides_only.empty()) mesh.hides_only.push_back(soup.hides_only[k.triangle]);
   }
   for (const auto& line : soup.lines) {
     if (representative[line[0]] == representative[line[1]])

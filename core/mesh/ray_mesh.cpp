@@ -31,6 +31,9 @@ RayScene::RayScene(const MeshModel& mesh, Rays rays) : device_(rtcNewDevice(null
   if (!device_) throw Error("the ray caster cannot be started");
   scene_ = rtcNewScene(device_);
   if (rays == Rays::kRobust) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+  if (rays == Rays::kEvery)
+    rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
+                                                        RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   try {
     attachMesh(device_, scene_, mesh);
   } catch (...) {

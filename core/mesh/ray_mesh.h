@@ -18,7 +18,8 @@ class RayScene {
  public:
   enum class Rays {
     kFast,
-    kRobust  ///< a ray through a shared edge or vertex does not slip between the faces
+    kRobust,  ///< a ray through a shared edge or vertex does not slip between the faces
+    kEvery    ///< like kRobust, and the filter of a query sees every hit
   };
   /// @throws Error when the ray caster cannot be started or memory runs out.
   explicit RayScene(const MeshModel& mesh, Rays rays = Rays::kFast);

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {

@@ -95,6 +95,10 @@ void ResultPublisher::publishStatus(const LiveResult& result, const LiveLocalize
   status.problem = result.problem;
   status.backend = localizer.map().backend().name();
   const UpdateReport& r = result.report;
+  const Eigen::Vector3d& origin = localizer.map().mesh().origin;
+  status.map_origin.x = origin.x();
+  status.map_origin.y = origin.y();
+  status.map_origin.z = origin.z();
   status.probability = static_cast<float>(result.probability);
   status.contrast = static_cast<float>(r.contrast);
   status.focal_error = static_cast<float>(r.focal_error);

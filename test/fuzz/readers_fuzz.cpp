@@ -13,6 +13,7 @@
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/camera/camera_model.h"
 #include "edge_mcl/core/edges/edge_model.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "edge_mcl/core/recordings/sequence.h"
 #include "edge_mcl/core/recordings/text_table.h"
 

@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "edge_mcl/core/recordings/sequence.h"
 #include "edge_mcl/localization/recorded/recorded_localizer.h"
 #include "edge_mcl/localization/recorded/sequence_input.h"

@@ -6,6 +6,7 @@
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/edges/visibility.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "edge_mcl/core/base/random_source.h"
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "support/scenes.h"
 
 namespace edge_mcl {

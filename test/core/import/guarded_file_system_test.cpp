@@ -1,4 +1,4 @@
-#include "edge_mcl/core/mesh/guarded_file_system.h"
+#include "edge_mcl/core/import/guarded_file_system.h"
 
 #include <gtest/gtest.h>
 

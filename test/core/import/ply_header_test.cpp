@@ -1,4 +1,4 @@
-#include "edge_mcl/core/mesh/ply_header.h"
+#include "edge_mcl/core/import/ply_header.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,6 @@
-#include "edge_mcl/core/mesh/guarded_file_system.h"
+#include "edge_mcl/core/import/guarded_file_system.h"
+
+#include <assimp/MemoryIOWrapper.h>
 
 #include <assimp/IOStream.hpp>
 #include <memory>
@@ -35,7 +37,11 @@ class GuardedStream : public Assimp::IOStream {
 }  // namespace
 
 Assimp::IOStream* GuardedFileSystem::Open(const char* file, const char* mode) {
-  Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+  Assimp::IOStream* stream =
+      !replaced_.empty() && replaced_ == file
+          ? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(contents_.data()),
+                                       contents_.size())
+          : DefaultIOSystem::Open(file, mode);
   return stream ? new GuardedStream(stream) : nullptr;
 }
 

@@ -3,6 +3,8 @@
 
 #include <assimp/DefaultIOSystem.h>
 
+#include <string>
+
 namespace edge_mcl {
 
 /// Opens files for assimp and stops readers that never end. Some readers of assimp (5.2: PLY
@@ -11,8 +13,15 @@ namespace edge_mcl {
 /// the exception into a failed import.
 class GuardedFileSystem : public Assimp::DefaultIOSystem {
  public:
+  GuardedFileSystem() = default;
+  /// Shows other contents in place of one file.
+  GuardedFileSystem(std::string file, std::string contents)
+      : replaced_(std::move(file)), contents_(std::move(contents)) {}
   Assimp::IOStream* Open(const char* file, const char* mode) override;
   void Close(Assimp::IOStream* stream) override;
+
+ private:
+  std::string replaced_, contents_;
 };
 
 }  // namespace edge_mcl

@@ -1,4 +1,4 @@
-#include "edge_mcl/core/mesh/polygon_ears.h"
+#include "edge_mcl/core/import/polygon_ears.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

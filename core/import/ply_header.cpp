@@ -1,4 +1,4 @@
-#include "edge_mcl/core/mesh/ply_header.h"
+#include "edge_mcl/core/import/ply_header.h"
 
 #include <algorithm>
 #include <array>
@@ -67,6 +67,10 @@ void checkPlyHeader(const std::string& file) {
       continue;
     }
     if (w.size() == 1 && w.front() == "end_header") return;
+    if (w.size() == 3 && w[0] == "element" && w[1] == "tristrips")
+      fail(number,
+           "announces triangle strips, which cannot be read here. Open the file in MeshLab "
+           "and save it again");
     if (w.empty() || !isGood(w)) fail(number, "is not understood: '" + line.substr(0, 60) + "'");
   }
   throw InputError(file + ": the PLY header does not end");

@@ -1,4 +1,4 @@
-#include "edge_mcl/core/mesh/polygon_ears.h"
+#include "edge_mcl/core/import/polygon_ears.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 
+#include "edge_mcl/core/import/mesh_loader.h"
 #include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl {

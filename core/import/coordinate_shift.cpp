@@ -1,0 +1,286 @@
+#include "edge_mcl/core/import/coordinate_shift.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "edge_mcl/core/import/file_facts.h"
+
+namespace edge_mcl {
+
+namespace {
+
+/// Single precision rounds coordinates of this size by at most 0.06 thousandths of the unit.
+constexpr double kFar = 2000;
+/// A point of an IFC file that is farther than this from its placement is given in coordinates of a
+/// country, m. No building is as large.
+constexpr double kFarIfc = 10000;
+
+/// Place of a number in the text.
+struct Number {
+  size_t begin = 0, end = 0;
+  double value = 0;
+};
+using Triple = std::array<Number, 3>;
+using Found = std::function<void(const Triple&)>;
+
+bool isSeparator(char c) {
+  return c == ' ' || c == '\t' || c == ',' || c == '\n' || c == '\r' || c == '(';
+}
+
+/// Reads the next number before `end`. @return false when something else stands there.
+bool nextNumber(const std::string& text, size_t* at, size_t end, Number* number) {
+  while (*at < end && isSeparator(text[*at])) ++*at;
+  number->begin = *at;
+  const char* first = text.data() + *at;
+  if (*at < end && *first == '+') ++first;  // from_chars knows no plus sign
+  const auto [last, error] = std::from_chars(first, text.data() + end, number->value);
+  if (error != std::errc() || !std::isfinite(number->value)) return false;
+  *at = number->end = static_cast<size_t>(last - text.data());
+  return true;
+}
+
+bool nextTriple(const std::string& text, size_t* at, size_t end, Triple* triple) {
+  return std::all_of(triple->begin(), triple->end(),
+                     [&](Number& n) { return nextNumber(text, at, end, &n); });
+}
+
+/// Calls `found` for the three numbers after every `word` at the beginning of a line.
+void triplesAfterWord(const std::string& text, const std::string& word, const Found& found) {
+  for (size_t line = 0; line < text.size();) {
+    size_t end = text.find('\n', line);
+    if (end == std::string::npos) end = text.size();
+    size_t at = line;
+    while (at < end && (text[at] == ' ' || text[at] == '\t')) ++at;
+    Triple triple;
+    if (text.compare(at, word.size(), word) == 0 && at + word.size() < end &&
+        isSeparator(text[at + word.size()])) {
+      at += word.size();
+      if (nextTriple(text, &at, end, &triple)) found(triple);
+    }
+    line = end + 1;
+  }
+}
+
+/// Points of an IFC file. Only those with a far coordinate are positions in the country; others are
+/// relative to a placement.
+void ifcPoints(const std::string& text, double far, const Found& found) {
+  constexpr std::string_view kPoint = "IFCCARTESIANPOINT(";
+  for (size_t at = text.find(kPoint); at != std::string::npos; at = text.find(kPoint, at)) {
+    at += kPoint.size();
+    const size_t end = std::min(text.find(';', at), text.size());
+    Triple triple;
+    if (nextTriple(text, &at, end, &triple) &&
+        std::any_of(triple.begin(), triple.end(),
+                    [&](const Number& n) { return std::abs(n.value) > far; }))
+      found(triple);
+  }
+}
+
+std::string attribute(const std::string& text, size_t tag, const std::string& name) {
+  const size_t end = text.find('>', tag);
+  const size_t at = text.find(name + "=\"", tag);
+  if (at == std::string::npos || at > end) return "";
+  const size_t first = at + name.size() + 2;
+  return text.substr(first, text.find('"', first) - first);
+}
+
+/// Positions of a Collada file: the arrays of the sources whose semantic is POSITION.
+void colladaPositions(const std::string& text, const Found& found) {
+  for (size_t input = text.find("\"POSITION\""); input != std::string::npos;
+       input = text.find("\"POSITION\"", input + 1)) {
+    const size_t tag = text.rfind('<', input);
+    if (tag == std::string::npos) continue;
+    const std::string id = attribute(text, tag, "source");
+    if (id.size() < 2) continue;
+    const size_t source = text.find("id=\"" + id.substr(1) + "\"");
+    const size_t array = source == std::string::npos ? source : text.find("<float_array", source);
+    if (array == std::string::npos) continue;
+    size_t at = text.find('>', array);
+    const size_t end = std::min(text.find('<', at), text.size());
+    if (at == std::string::npos) continue;
+    ++at;
+    for (Triple triple; nextTriple(text, &at, end, &triple);) found(triple);
+  }
+}
+
+/// Header of a PLY file whose vertices are the first element.
+struct PlyVertices {
+  bool ascii = false, little_endian = false;
+  size_t begin = 0, count = 0, size = 0;  ///< first byte, number, and bytes of a vertex
+  std::array<size_t, 3> offset{};         ///< of x, y and z in a vertex: bytes, or columns
+  std::array<bool, 3> is_double{};
+};
+
+bool plyVertices(const std::string& text, PlyVertices* ply) {
+  const size_t end = text.find("end_header");
+  if (end == std::string::npos) return false;
+  ply->begin = text.find('\n', end) + 1;
+  size_t column = 0;
+  bool in_vertex = false, had_element = false;
+  for (size_t line = 0; line < end;) {
+    const size_t next = text.find('\n', line);
+    char a[32] = "", b[32] = "", c[32] = "";
+    std::sscanf(text.substr(line, std::min<size_t>(next - line, 90)).c_str(), "%31s %31s %31s", a,
+                b, c);
+    const std::string first = a, second = b, third = c;
+    if (first == "format") {
+      ply->ascii = second == "ascii";
+      ply->little_endian = second == "binary_little_endian";
+    } else if (first == "element") {
+      if (!had_element && second != "vertex") return false;
+      in_vertex = second == "vertex";
+      had_element = true;
+      if (in_vertex) std::from_chars(third.data(), third.data() + third.size(), ply->count);
+    } else if (first == "property" && in_vertex) {
+      if (second == "list") return false;
+      const bool eight = second == "double" || second == "float64";
+      const bool one =
+          second.find("char") != std::string::npos || second == "int8" || second == "uint8";
+      const bool two =
+          second.find("short") != std::string::npos || second.find("16") != std::string::npos;
+      const size_t bytes = eight ? 8 : one ? 1 : two ? 2 : 4;
+      for (size_t k = 0; k < 3; ++k)
+        if (third == std::string(1, static_cast<char>('x' + k))) {
+          ply->offset[k] = ply->ascii ? column : ply->size;
+          ply->is_double[k] = eight;
+        }
+      ply->size += bytes;
+      ++column;
+    }
+    line = next + 1;
+  }
+  return ply->count > 0;
+}
+
+/// Positions of a PLY file of text.
+void plyPositions(const std::string& text, const PlyVertices& ply, const Found& found) {
+  size_t line = ply.begin;
+  for (size_t i = 0; i < ply.count && line < text.size(); ++i) {
+    size_t end = text.find('\n', line);
+    if (end == std::string::npos) end = text.size();
+    Triple triple;
+    size_t at = line, column = 0;
+    for (Number n; nextNumber(text, &at, end, &n); ++column)
+      for (size_t k = 0; k < 3; ++k)
+        if (ply.offset[k] == column) triple[k] = n;
+    if (column > *std::max_element(ply.offset.begin(), ply.offset.end())) found(triple);
+    line = end + 1;
+  }
+}
+
+/// The far part of the coordinates: for each axis the whole number next to the smallest coordinate
+/// when all coordinates of the axis are far from zero and on one side of it.
+Eigen::Vector3d farPart(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double far) {
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (low[k] <= high[k] && (low[k] > far || high[k] < -far)) shift[k] = std::round(low[k]);
+  return shift;
+}
+
+class Range {
+ public:
+  void add(const Eigen::Vector3d& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY);
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(-INFINITY);
+};
+
+Eigen::Vector3d valueOf(const Triple& t) { return {t[0].value, t[1].value, t[2].value}; }
+
+/// Writes the text again with the numbers that `each` finds moved by -shift.
+std::string rewritten(const std::string& text, const Eigen::Vector3d& shift,
+                      const std::function<void(const Found&)>& each) {
+  std::string result;
+  result.reserve(text.size());
+  size_t copied = 0;
+  each([&](const Triple& triple) {
+    std::array<int, 3> order{0, 1, 2};
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return triple[a].begin < triple[b].begin; });
+    for (const int k : order) {
+      // Collada may share one array between two meshes. Its numbers are moved once.
+      if (shift[k] == 0 || triple[k].begin < copied) continue;
+      result.append(text, copied, triple[k].begin - copied);
+      std::array<char, 40> number{};
+      std::snprintf(number.data(), number.size(), "%.9f", triple[k].value - shift[k]);
+      result += number.data();
+      copied = triple[k].end;
+    }
+  });
+  result.append(text, copied, std::string::npos);
+  return result;
+}
+
+std::optional<ShiftedFile> shiftedBinaryPly(std::string contents, const PlyVertices& ply) {
+  if (!ply.little_endian || !(ply.is_double[0] && ply.is_double[1] && ply.is_double[2]) ||
+      ply.begin + ply.count * ply.size > contents.size())
+    return std::nullopt;
+  const auto place = [&](size_t i, int k) {
+    return contents.data() + ply.begin + i * ply.size + ply.offset[k];
+  };
+  const double far = kFar;
+  Range range;
+  for (size_t i = 0; i < ply.count; ++i) {
+    Eigen::Vector3d p;
+    for (int k = 0; k < 3; ++k) std::memcpy(&p[k], place(i, k), sizeof(double));
+    range.add(p);
+  }
+  const Eigen::Vector3d shift = farPart(range.low, range.high, far);
+  if (shift.isZero()) return std::nullopt;
+  for (size_t i = 0; i < ply.count; ++i)
+    for (int k = 0; k < 3; ++k) {
+      double value = 0;
+      std::memcpy(&value, place(i, k), sizeof(double));
+      value -= shift[k];
+      std::memcpy(place(i, k), &value, sizeof(double));
+    }
+  return ShiftedFile{std::move(contents), shift};
+}
+
+}  // namespace
+
+std::optional<ShiftedFile> shiftedNearOrigin(const std::string& file) {
+  const std::string extension = extensionOf(file);
+  static constexpr std::array<std::string_view, 5> kKnown{".obj", ".stl", ".ply", ".dae", ".ifc"};
+  if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end()) return std::nullopt;
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::function<void(const Found&)> each;
+  PlyVertices ply;
+  double far = kFar;
+  if (extension == ".obj") {
+    each = [&](const Found& found) { triplesAfterWord(text, "v", found); };
+  } else if (extension == ".stl") {
+    if (text.compare(0, 5, "solid") != 0) return std::nullopt;
+    each = [&](const Found& found) { triplesAfterWord(text, "vertex", found); };
+  } else if (extension == ".ifc") {
+    const FileUnit unit = statedUnit(file);
+    far = kFarIfc / (unit.metres > 0 ? unit.metres : 1);
+    each = [&](const Found& found) { ifcPoints(text, far, found); };
+  } else if (extension == ".dae") {
+    each = [&](const Found& found) { colladaPositions(text, found); };
+  } else {
+    if (!plyVertices(text, &ply)) return std::nullopt;
+    if (!ply.ascii) return shiftedBinaryPly(std::move(text), ply);
+    each = [&](const Found& found) { plyPositions(text, ply, found); };
+  }
+  Range range;
+  each([&](const Triple& triple) { range.add(valueOf(triple)); });
+  const Eigen::Vector3d shift = farPart(range.low, range.high, far);
+  if (shift.isZero()) return std::nullopt;
+  return ShiftedFile{rewritten(text, shift, each), shift};
+}
+
+}  // namespace edge_mcl

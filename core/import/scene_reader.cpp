@@ -1,0 +1,273 @@
+#include "edge_mcl/core/import/scene_reader.h"
+
+#include <assimp/config.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <map>
+#include <new>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/import/coordinate_shift.h"
+#include "edge_mcl/core/import/file_facts.h"
+#include "edge_mcl/core/import/guarded_file_system.h"
+#include "edge_mcl/core/import/ply_header.h"
+#include "edge_mcl/core/import/polygon_ears.h"
+
+namespace edge_mcl {
+
+namespace {
+
+/// Removes empty faces and checks the vertex numbers of all faces. The triangulation of assimp does
+/// not check the numbers. It ends the process when a mesh has empty faces but no polygons.
+/// @return number of empty faces that were removed.
+/// @throws InputError when a face refers to a vertex that does not exist.
+size_t prepareForTriangulation(aiScene* scene, const std::string& origin) {
+  size_t empty = 0;
+  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+    aiMesh& mesh = *scene->mMeshes[m];
+    unsigned kept = 0, types = 0;
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      for (unsigned k = 0; k < face.mNumIndices; ++k)
+        if (face.mIndices[k] >= mesh.mNumVertices)
+          throw InputError(origin + ": a face refers to a vertex that does not exist");
+      if (face.mNumIndices == 0) continue;
+      types |= face.mNumIndices == 1   ? aiPrimitiveType_POINT
+               : face.mNumIndices == 2 ? aiPrimitiveType_LINE
+               : face.mNumIndices == 3 ? aiPrimitiveType_TRIANGLE
+                                       : aiPrimitiveType_POLYGON;
+      if (kept != i) mesh.mFaces[kept] = face;
+      ++kept;
+    }
+    empty += mesh.mNumFaces - kept;
+    mesh.mNumFaces = kept;
+    mesh.mPrimitiveTypes = types;  // assimp counts an empty face as a polygon
+  }
+  return empty;
+}
+
+/// Cuts polygons that are not strictly convex into triangles. If several corners of a polygon lie
+/// on one line, assimp makes flat and overlapping triangles of it. They leave edges where there are
+/// none. A polygon that cannot be cut here is left to assimp.
+void cutPolygons(aiMesh* mesh) {
+  std::vector<aiFace> faces;
+  bool any = false;
+  for (unsigned i = 0; i < mesh->mNumFaces; ++i) {
+    const aiFace& face = mesh->mFaces[i];
+    std::vector<std::array<unsigned, 3>> triangles;
+    if (face.mNumIndices > 3) {
+      std::vector<Eigen::Vector3d> corners;
+      for (unsigned k = 0; k < face.mNumIndices; ++k) {
+        const aiVector3D& v = mesh->mVertices[face.mIndices[k]];
+        corners.emplace_back(v.x, v.y, v.z);
+      }
+      if (!isStrictlyConvex(corners)) triangles = cutEars(corners);
+    }
+    if (triangles.empty()) faces.push_back(face);
+    for (const auto& [a, b, c] : triangles) {
+      faces.emplace_back();
+      faces.back().mNumIndices = 3;
+      faces.back().mIndices =
+          // Face deletes it.
+          new unsigned[3]{face.mIndices[a], face.mIndices[b], face.mIndices[c]};
+      any = true;
+    }
+  }
+  if (!any) return;
+  // assimp ends the process when a mesh is marked as having polygons but has none.
+  mesh->mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
+  if (std::none_of(faces.begin(), faces.end(),
+                   [](const aiFace& face) { return face.mNumIndices > 3; }))
+    mesh->mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
+  delete[] mesh->mFaces;
+  mesh->mNumFaces = static_cast<unsigned>(faces.size());
+  mesh->mFaces = new aiFace[faces.size()];
+  std::copy(faces.begin(), faces.end(), mesh->mFaces);
+}
+
+/// Reads the parts of a scene into a model.
+class SceneParts {
+ public:
+  /// @param to_file turns assimp's axes to those of the file.
+  /// @param shift was subtracted from the vertices of every mesh.
+  SceneParts(const aiScene& scene, Eigen::Matrix3d to_file, Eigen::Vector3d shift, RawModel* model)
+      : scene_(scene), to_file_(std::move(to_file)), shift_(std::move(shift)), model_(model) {}
+
+  /// @param parent transform of the parent node. It is double, so that vertices far from the origin
+  ///   keep their accuracy.
+  void append(const aiNode& node, const Eigen::Affine3d& parent, int depth = 0) {
+    constexpr int kDeepest = 1000;  // a deeper tree would exhaust the stack
+    if (depth > kDeepest) throw InputError("the tree of parts is too deep");
+    const Eigen::Affine3d to_root = parent * transformOf(node.mTransformation);
+    for (unsigned i = 0; i < node.mNumMeshes; ++i)
+      if (node.mMeshes[i] < scene_.mNumMeshes)
+        appendMesh(*scene_.mMeshes[node.mMeshes[i]], objectNumber(node, node.mMeshes[i]), to_root);
+    for (unsigned i = 0; i < node.mNumChildren; ++i) append(*node.mChildren[i], to_root, depth + 1);
+  }
+
+ private:
+  static Eigen::Affine3d transformOf(const aiMatrix4x4& m) {
+    Eigen::Affine3d transform;
+    transform.matrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, 0,
+        0, 0, 1;
+    return transform;
+  }
+
+  /// Number of the object of a mesh. Its name is that of the node, else that of the mesh.
+  uint32_t objectNumber(const aiNode& node, unsigned mesh) {
+    std::string name = node.mName.C_Str();
+    if (name.empty() || &node == scene_.mRootNode) name = scene_.mMeshes[mesh]->mName.C_Str();
+    const auto [it, is_new] = numbers_.emplace(name, static_cast<uint32_t>(model_->objects.size()));
+    if (is_new) model_->objects.push_back(name);
+    return it->second;
+  }
+
+  void appendMesh(const aiMesh& mesh, uint32_t object, const Eigen::Affine3d& to_root) {
+    const auto offset = static_cast<uint32_t>(model_->vertices.size());
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const aiVector3D& v = mesh.mVertices[i];
+      model_->vertices.push_back(to_file_ * (to_root * Eigen::Vector3d(v.x, v.y, v.z)) +
+                                 to_file_ * (to_root.linear() * shift_));
+    }
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices == 2) {
+        model_->lines.push_back({offset + face.mIndices[0], offset + face.mIndices[1]});
+        model_->line_object.push_back(object);
+      } else if (face.mNumIndices == 3) {
+        model_->triangles.push_back(
+            {offset + face.mIndices[0], offset + face.mIndices[1], offset + face.mIndices[2]});
+        model_->triangle_material.push_back(
+            std::min(mesh.mMaterialIndex, std::max(1u, scene_.mNumMaterials) - 1));
+        model_->triangle_object.push_back(object);
+      }
+    }
+  }
+
+  const aiScene& scene_;
+  Eigen::Matrix3d to_file_;
+  Eigen::Vector3d shift_;
+  RawModel* model_;
+  std::map<std::string, uint32_t> numbers_;
+};
+
+/// Rotation that undoes assimp's change of axes. The map keeps the axes of the file. If z is up in
+/// a format, assimp turns the coordinates so that y is up.
+Eigen::Matrix3d fileAxes(const std::string& extension) {
+  constexpr std::array<std::string_view, 6> kTurned{".ifc", ".ifczip", ".dxf",
+                                                    ".3ds", ".ase",    ".ask"};
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  if (std::find(kTurned.begin(), kTurned.end(), extension) != kTurned.end())
+    turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  return turn;
+}
+
+void readMaterials(const aiScene& scene, RawModel* model) {
+  for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+    aiColor3D color(0.7f, 0.7f, 0.7f);
+    scene.mMaterials[m]->Get(AI_MATKEY_COLOR_DIFFUSE, color);
+    Eigen::Vector3f rgb(color.r, color.g, color.b);
+    if (!rgb.allFinite()) rgb.setConstant(0.7f);
+    model->material_colors.emplace_back(rgb.cwiseMax(0).cwiseMin(1));
+  }
+  if (model->material_colors.empty()) model->material_colors.emplace_back(0.7f, 0.7f, 0.7f);
+}
+
+/// Unit and upward axis of an FBX file. Its unit is a multiple of the centimetre.
+void readFbxFacts(const aiScene& scene, RawModel* model) {
+  if (!scene.mMetaData) return;
+  // assimp 5.2 stores the factor as a float or as a double.
+  float single = 0;
+  double factor = 0;
+  if (!scene.mMetaData->Get("UnitScaleFactor", factor) &&
+      scene.mMetaData->Get("UnitScaleFactor", single))
+    factor = static_cast<double>(single);
+  if (std::isfinite(factor) && factor > 0) {
+    model->unit = 0.01 * factor;
+    model->unit_name = factor == 1       ? "centimetre"
+                       : factor == 0.1   ? "millimetre"
+                       : factor == 100   ? ""
+                       : factor == 2.54  ? "inch"
+                       : factor == 30.48 ? "foot"
+                                         : "unit of " + std::to_string(model->unit) + " m";
+  }
+  int32_t up = -1;
+  if (scene.mMetaData->Get("UpAxis", up) && up >= 0 && up <= 2) model->up_axis = up;
+}
+
+/// Rounding error of the vertex that was nearest to the origin when it was read. The nearest vertex
+/// decides, so that a few far vertices do not count.
+double roundingOf(const std::vector<Eigen::Vector3d>& vertices, const Eigen::Vector3d& shift) {
+  constexpr double kPrecision = 1.2e-7;  // of single precision
+  double nearest = INFINITY;
+  for (const Eigen::Vector3d& v : vertices)
+    nearest = std::min(nearest, (v - shift).cwiseAbs().maxCoeff());
+  return std::isfinite(nearest) ? kPrecision * nearest : 0;
+}
+
+}  // namespace
+
+RawModel readScene(const std::string& file) {
+  const std::string extension = extensionOf(file);
+  if (extension == ".ply") checkPlyHeader(file);
+  RawModel model;
+  const FileUnit unit = statedUnit(file);
+  if (!unit.is_applied) {
+    model.unit = unit.metres;
+    model.unit_name = unit.name;
+  }
+  std::optional<ShiftedFile> shifted = shiftedNearOrigin(file);
+  const Eigen::Vector3d shift = shifted ? shifted->shift : Eigen::Vector3d::Zero();
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  // The importer deletes it.
+  importer.SetIOHandler(shifted ? new GuardedFileSystem(file, std::move(shifted->contents))
+                                : new GuardedFileSystem);
+  // Comments, vertex colours and texture coordinates are not needed. Faces become triangles, but
+  // line elements stay.
+  const aiScene* scene = nullptr;
+  try {
+    scene = importer.ReadFile(file, 0);
+    if (scene) {
+      // The importer owns the scene and gives it out as const, hence the cast.
+      model.empty_faces = prepareForTriangulation(const_cast<aiScene*>(scene), file);
+      for (unsigned m = 0; m < scene->mNumMeshes; ++m) cutPolygons(scene->mMeshes[m]);
+      scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+    }
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError(file + ": not readable as a 3D model: " + e.what());
+  }
+  // assimp turns the exception into a text.
+  if (!scene && std::string(importer.GetErrorString()).find("bad_alloc") != std::string::npos)
+    throw std::bad_alloc();
+  if (!scene || !scene->mRootNode)
+    throw InputError(file + ": not readable as a 3D model: " + importer.GetErrorString());
+  readMaterials(*scene, &model);
+  if (extension == ".fbx") readFbxFacts(*scene, &model);
+  // In an IFC file the far points are the placement of the site or of all bodies, so that the shift
+  // is one of the whole model. assimp has made metres of its coordinates.
+  const bool is_ifc = extension == ".ifc";
+  const Eigen::Vector3d in_scene = (is_ifc && unit.is_applied ? unit.metres : 1) * shift;
+  SceneParts(*scene, fileAxes(extension), is_ifc ? Eigen::Vector3d::Zero() : shift, &model)
+      .append(*scene->mRootNode, Eigen::Affine3d::Identity());
+  if (is_ifc)
+    for (Eigen::Vector3d& v : model.vertices) v += in_scene;
+  model.rounding = roundingOf(model.vertices, in_scene);
+  return model;
+}
+
+}  // namespace edge_mcl
