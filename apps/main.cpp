@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   Action action;
   addLocalize(&app, &action);
   addInspect(&app, &action);
+  addMap(&app, &action);
   addEvaluate(&app, &action);
   addBasin(&app, &action);
   addBag(&app, &action);

@@ -14,7 +14,7 @@ import sys
 RANKS = [
     ['core/base'],
     ['core/camera', 'core/mesh', 'core/image'],
-    ['core/edges', 'core/depth'],
+    ['core/import', 'core/edges', 'core/depth'],
     ['core/likelihood', 'core/places', 'core/recordings'],
     ['core'],
     ['core/drawing'],
@@ -22,7 +22,7 @@ RANKS = [
     ['gpu/engine', 'gpu/workload'],
     ['gpu/emulation'],
     ['gpu/check', 'gpu/backend'],
-    ['sim', 'detector'],
+    ['sim', 'detector', 'mapping'],
     ['detector/training'],
     ['localization/filter'],
     ['localization/search'],
@@ -40,6 +40,7 @@ RANKS = [
     ['nodes/viewer'],
     ['apps'],
     ['apps/recordings', 'apps/experiments', 'apps/bench'],
+    ['apps/mapping'],
     ['docs/examples/minimal'],
 ]
 RANK = {folder: rank for rank, folders in enumerate(RANKS) for folder in folders}

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "edge_mcl/core/base/random_source.h"
+
 namespace edge_mcl {
 
 double exposureAt(const CameraFaults& faults, double time) {
@@ -26,6 +28,22 @@ void spoil(const CameraFaults& faults, double time, uint64_t seed, cv::Mat* colo
       for (int c = 0; c < 3; ++c)
         pixel[x][c] = cv::saturate_cast<uint8_t>((pixel[x][c] * scale + n[x] * 256 + 2048) >> 12);
   }
+}
+
+void spoilDepth(const CameraFaults& faults, uint64_t seed, cv::Mat* depth) {
+  depth->setTo(0, *depth > faults.depth_range);
+  if (faults.depth_noise <= 0) return;
+  // The sensor measures disparities, which are proportional to the inverse depth.
+  RandomSource random(seed);
+  const double step = 2 * faults.depth_noise;
+  for (int y = 0; y < depth->rows; ++y)
+    for (int x = 0; x < depth->cols; ++x) {
+      float& z = depth->at<float>(y, x);
+      if (!(z > 0)) continue;
+      const double inverse = 1 / static_cast<double>(z) + faults.depth_noise * random.normal();
+      const double measured = step * std::round(inverse / step);
+      z = measured > 0 ? static_cast<float>(1 / measured) : 0;
+    }
 }
 
 }  // namespace edge_mcl

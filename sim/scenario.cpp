@@ -166,6 +166,8 @@ Scenario Scenario::fromYamlFile(const std::string& file) {
         .optional("exposure_time", &s.faults.exposure_time)
         .optional("blur_steps", &s.faults.blur_steps)
         .optional("dropped", &s.faults.dropped)
+        .optional("depth_noise", &s.faults.depth_noise)
+        .optional("depth_range", &s.faults.depth_range)
         .finish();
   if (odometry.IsDefined() && !odometry.IsNull())
     KeyReader(odometry, file + ": odometry")
@@ -194,6 +196,8 @@ Scenario Scenario::fromYamlFile(const std::string& file) {
   requireRange(s.faults.exposure_time, 0, 1, file + ": faults: exposure_time");
   requireRange(s.faults.blur_steps, 1, 100, file + ": faults: blur_steps");
   requireRange(s.faults.dropped, 0, 0.99, file + ": faults: dropped");
+  requireRange(s.faults.depth_noise, 0, 0.1, file + ": faults: depth_noise");
+  requireRange(s.faults.depth_range, 0.1, 1000, file + ": faults: depth_range");
   requireRange(s.odometry.position, 0, 100, file + ": odometry: position");
   requireRange(s.odometry.angle_deg, 0, 180, file + ": odometry: angle_deg");
   requireRange(s.odometry.per_metre, 0, 100, file + ": odometry: per_metre");

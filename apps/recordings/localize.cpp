@@ -65,8 +65,11 @@ void localizeAll(const LocalizeOptions& o, const OpenedRecording& opened,
     report->add(*localizer, time_text);
     if (r.late) continue;
     // While there is no pose, no line is written.
-    if (localizer->localizer().isInitialized())
-      out << formatPose(time_text, r.estimate.mean) << std::endl;
+    if (localizer->localizer().isInitialized()) {
+      Pose pose = r.estimate.mean;
+      pose.translation() += opened.origin;
+      out << formatPose(time_text, pose) << std::endl;
+    }
     if (!out) throw InputError(o.out + ": cannot be written (disk full?)");
     writeOverlay(o, *localizer, time_text);
   }

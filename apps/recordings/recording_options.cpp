@@ -9,6 +9,7 @@
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/recordings/sequence.h"
 #include "edge_mcl/localization/map_factory.h"
+#include "edge_mcl/localization/recorded/moved_input.h"
 #include "edge_mcl/localization/recorded/sequence_input.h"
 #include "edge_mcl/mrpt_plugins/rawlog_input.h"
 #ifdef EDGE_MCL_HAS_ROS
@@ -232,6 +233,24 @@ std::unique_ptr<RecordedInput> openBag(const RecordingOptions& o, const Paramete
 
 }  // namespace
 
+std::unique_ptr<RecordedInput> openInput(const RecordingOptions& o) {
+  const RecordingKind kind = kindOf(o.recording);
+  std::unique_ptr<RecordedInput> input;
+  if (kind == RecordingKind::kDirectory) {
+    checkOptionsOfDirectory(o);
+    Sequence sequence = readSequence(o.recording);
+    for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
+    input = std::make_unique<SequenceInput>(std::move(sequence), SequenceParts{true, true, true});
+  } else if (kind == RecordingKind::kRawlog) {
+    input = openRawlog(o, {}, true);
+  } else {
+    input = openBag(o, {}, true);
+  }
+  if (const std::string damage = input->damage(); !damage.empty())
+    std::fprintf(stderr, "warning: %s\n", damage.c_str());
+  return input;
+}
+
 OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
   const Parameters params = parametersOf(o);
   OpenedRecording opened;
@@ -254,6 +273,13 @@ OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
   if (!o.global && !opened.start.up_base)
     opened.start.pose = initialPose(o, opened.input->initialPose());
   opened.map = makeMap(opened.model_file, params);
+  opened.origin = opened.map->mesh().origin;
+  if (params.map.absolute_poses && !opened.origin.isZero()) {
+    if (opened.start.pose) opened.start.pose->mean.translation() -= opened.origin;
+    opened.input = std::make_unique<MovedInput>(std::move(opened.input), opened.origin);
+  } else {
+    opened.origin.setZero();
+  }
   for (const std::string& w : opened.map->mesh().report.warnings)
     std::fprintf(stderr, "warning: %s: %s\n", opened.model_file.c_str(), w.c_str());
   return opened;

@@ -40,10 +40,17 @@ struct OpenedRecording {
   std::shared_ptr<LocalizationMap> map;
   std::unique_ptr<RecordedInput> input;
   RecordedStart start;
+  /// Is added to the positions of the trajectory: the origin of the map frame in the coordinates of
+  /// the model file, metres. Zero with `map.absolute_poses` false.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   /// Pose that the trajectory holds: T_map_base. A directory has no base, so its trajectory holds
   /// T_map_camera.
   std::string trajectory_pose = "T_map_base";
 };
+/// Opens a recording without its model. Images and depth are read. Prints warnings on stderr.
+/// @throws InputError, ParameterError, see openRecording()
+std::unique_ptr<RecordedInput> openInput(const RecordingOptions& options);
+
 /// Opens a recording and loads its model. Prints warnings on stderr.
 /// @param everything true: images and depth are read even if the localizer does not need them.
 /// @throws InputError when a file cannot be used or data are missing; ParameterError when an option

@@ -279,13 +279,28 @@ def devices(c, source):
         expect(c, command[0] + ' --backend cuda', USAGE, ('likelihood.backend cuda',), *command, '--backend', 'cuda')
 
 
+def maps(c, source):
+    out = os.path.join(c.folder, 'map.obj')
+    sequence = sequence_in(c, 'no_depth')
+    expect(c, 'map without depth', INPUT, ('depth',), 'map', sequence, '--out', out)
+    os.remove(os.path.join(sequence, 'groundtruth.txt'))
+    expect(c, 'map without poses', INPUT, ('--poses',), 'map', sequence, '--out', out)
+    expect(c, 'map of nothing', INPUT, ('nothing.ply',), 'map', 'nothing.ply', '--out', out)
+    office = os.path.join(source, 'maps', 'office.obj')
+    expect(c, 'map into no folder', INPUT, ('/does/not',), 'map', office, '--out', '/does/not/exist.obj')
+    lines = os.path.join(c.folder, 'line.obj')
+    write(lines, 'v 0 0 0\nv 1 0 0\nl 1 2\n')
+    expect(c, 'map of lines', INPUT, ('no faces',), 'map', lines, '--out', out)
+    check(not os.path.exists(out), 'a map that failed has left a file')
+
+
 def main():
     tool, source = sys.argv[1:3]
     folder = tempfile.mkdtemp()
     try:
         c = Cases(tool, folder)
         for part in (contradictions, rawlogs, outputs, evaluation, missing_images, simulation, comparison,
-                     detection, devices):
+                     detection, devices, maps):
             part(c, source)
     finally:
         shutil.rmtree(folder)
