@@ -16,6 +16,7 @@
 #include "edge_mcl/core/drawing/overlay.h"
 #include "edge_mcl/core/image/picture_file.h"
 #include "edge_mcl/core/import/mesh_loader.h"
+#include "edge_mcl/mapping/cloud_surface.h"
 #include "edge_mcl/mapping/depth_fusion.h"
 #include "edge_mcl/mapping/face_simplification.h"
 #include "edge_mcl/mapping/map_file.h"
@@ -113,9 +114,13 @@ void addRecording(const MapOptions& o, const std::string& source, MapParts* part
 
 void addScan(const MapOptions& o, const std::string& source, const MapParameters& params,
              MapParts* parts) {
-  const MeshModel mesh = loadMesh(source, params);
+  constexpr double kCloudSpacing = 0.02;  // m, finer than the noise of most scanners at 5 m
+  const MeshModel mesh = isPointCloud(source)
+                             ? weldMesh(surfaceOfCloud(source, kCloudSpacing), 1e-6, source)
+                             : loadMesh(source, params);
   if (mesh.triangles.empty())
-    throw InputError(source + ": the scan has no faces; a point cloud needs a mesh first");
+    throw InputError(source +
+                     ": the scan has no faces; a point cloud is a PLY, PCD, PTS or XYZ file");
   const ScanViews views(mesh);
   const std::vector<Pose> poses = views.poses(o.spacing);
   if (poses.empty())
@@ -188,7 +193,8 @@ void addMap(CLI::App* app, Action* action) {
   CLI::App* c = app->add_subcommand(
       "map", "make a map of straight lines and hiding faces from scans and recordings");
   c->add_option("source", o->sources,
-                "scans (mesh files: PLY, OBJ, ...) and recordings with depth and poses (sequence "
+                "scans (meshes: PLY, OBJ, ...; point clouds: PLY, PCD, PTS, XYZ) and recordings "
+                "with depth and poses (sequence "
                 "directory, bag or rawlog), all in one frame")
       ->required();
   c->add_option("--out", o->out, "map file to write (OBJ); default: map.obj");

@@ -280,6 +280,12 @@ OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
   } else {
     opened.origin.setZero();
   }
+  if (opened.start.pose) {
+    // Differences of national coordinates have a rounding error. With whole micrometres a flight
+    // has the same poses wherever its building stands.
+    auto position = opened.start.pose->mean.translation();
+    position = (position * 1e6).array().round().matrix() / 1e6;
+  }
   for (const std::string& w : opened.map->mesh().report.warnings)
     std::fprintf(stderr, "warning: %s: %s\n", opened.model_file.c_str(), w.c_str());
   return opened;

@@ -178,13 +178,15 @@ void plyPositions(const std::string& text, const PlyVertices& ply, const Found& 
   }
 }
 
-/// The far part of the coordinates: for each axis the whole number next to the smallest coordinate
-/// when all coordinates of the axis are far from zero and on one side of it.
+/// The far part of the coordinates: whole hundreds next to the smallest coordinates, when all
+/// coordinates of some axis are far from zero and on one side of it. The origin of the map is
+/// rounded in the same way, so that the vertices relative to it are those of the text.
 Eigen::Vector3d farPart(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double far) {
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  constexpr double kRound = 100;
   for (int k = 0; k < 3; ++k)
-    if (low[k] <= high[k] && (low[k] > far || high[k] < -far)) shift[k] = std::round(low[k]);
-  return shift;
+    if (low[k] <= high[k] && (low[k] > far || high[k] < -far))
+      return (low / kRound).array().round().matrix() * kRound;
+  return Eigen::Vector3d::Zero();
 }
 
 class Range {
@@ -215,7 +217,10 @@ std::string rewritten(const std::string& text, const Eigen::Vector3d& shift,
       result.append(text, copied, triple[k].begin - copied);
       std::array<char, 40> number{};
       std::snprintf(number.data(), number.size(), "%.9f", triple[k].value - shift[k]);
-      result += number.data();
+      // Without zeros at its end the number is read as it would be without the shift.
+      std::string shortest = number.data();
+      shortest.erase(shortest.find_last_not_of('0') + 1);
+      result += shortest;
       copied = triple[k].end;
     }
   });

@@ -53,8 +53,8 @@ class Grid {
         low = low.cwiseMin(p);
         high = high.cwiseMax(p);
       }
-    // A huge plane gets larger cells, so that a grid takes at most 80 MB while it is made.
-    constexpr double kMostCells = 8e6;
+    // A plane of more than 50 x 50 m gets larger cells. A model in centimetres would take minutes.
+    constexpr double kMostCells = 2.5e5;
     const Point extent = high - low;
     cell = std::max(cell, std::sqrt(extent.x() * extent.y() / kMostCells));
     low_ = low;
@@ -210,11 +210,11 @@ CellRange component(Grid* grid, int column, int row, std::vector<uint8_t>* seen,
   return range;
 }
 
-void addRectangles(const Plane& plane, const std::vector<Polygon>& triangles, double least,
-                   std::vector<Rectangle>* result) {
-  constexpr double kCell = 0.1;  // m; a smaller one finds little more, and takes more memory
-  constexpr int kMost = 16;      // of one connected part; the largest come first
-  Grid grid(triangles, kCell);
+/// @param cell size of the cells, m.
+void addRectangles(const Plane& plane, const std::vector<Polygon>& triangles, double cell,
+                   double least, std::vector<Rectangle>* result) {
+  constexpr int kMost = 16;  // of one connected part; the largest come first
+  Grid grid(triangles, cell);
   std::vector<uint8_t> seen(static_cast<size_t>(grid.columns()) * grid.rows(), 0);
   for (int row = 0; row < grid.rows(); ++row)
     for (int column = 0; column < grid.columns(); ++column) {
@@ -303,8 +303,18 @@ Plane planeOf(const Triangles& all, uint32_t t) {
   return plane;
 }
 
+/// Size of the cells, m. A smaller one than a decimetre finds little more. A model with a huge
+/// surface, such as one whose unit is wrong, gets larger cells, so that there are at most 20
+/// million, which take some seconds.
+double cellSize(const Triangles& all) {
+  constexpr double kFinest = 0.1, kMostCells = 2e7;
+  double area = 0;
+  for (uint32_t t = 0; t < all.mesh.triangles.size(); ++t) area += all.normal(t).norm();
+  return std::max(kFinest, std::sqrt(area / kMostCells));
+}
+
 std::vector<Rectangle> rectanglesOf(const Triangles& all, const std::vector<uint32_t>& members,
-                                    double least) {
+                                    double cell, double least) {
   std::vector<Rectangle> result;
   double area = 0;
   for (const uint32_t t : members) area += all.normal(t).norm();
@@ -324,7 +334,7 @@ std::vector<Rectangle> rectanglesOf(const Triangles& all, const std::vector<uint
     }
     if (flat) triangles.push_back(std::move(polygon));
   }
-  if (!triangles.empty()) addRectangles(plane, triangles, least, &result);
+  if (!triangles.empty()) addRectangles(plane, triangles, cell, least, &result);
   return result;
 }
 
@@ -333,9 +343,10 @@ std::vector<Rectangle> rectanglesOf(const Triangles& all, const std::vector<uint
 std::vector<Rectangle> flatRectangles(const MeshModel& mesh, double least) {
   const Triangles all{mesh};
   const std::vector<std::vector<uint32_t>> planes = byPlane(all);
+  const double cell = cellSize(all);
   std::vector<std::vector<Rectangle>> found(planes.size());
   tbb::parallel_for(size_t{0}, planes.size(),
-                    [&](size_t k) { found[k] = rectanglesOf(all, planes[k], least); });
+                    [&](size_t k) { found[k] = rectanglesOf(all, planes[k], cell, least); });
   std::vector<Rectangle> result;
   for (const auto& of_plane : found) result.insert(result.end(), of_plane.begin(), of_plane.end());
   return result;

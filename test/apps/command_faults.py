@@ -279,6 +279,32 @@ def devices(c, source):
         expect(c, command[0] + ' --backend cuda', USAGE, ('likelihood.backend cuda',), *command, '--backend', 'cuda')
 
 
+def national_coordinates(c, source):
+    """A building that stands elsewhere has the same flight: its poses are moved, to 0.1 mm."""
+    del source
+    trajectories = []
+    for name, (x, y, z), absolute in (('here', (0, 0, 0), True), ('there', (500000, 5400000, 200), True),
+                                      ('relative', (500000, 5400000, 200), False)):
+        sequence = sequence_in(c, name)
+        corners = ''.join('v %.3f %.3f %.3f\n' % (x + a, y + b, z + 0.5)
+                          for a, b in ((-.1, -.1), (.1, -.1), (.1, .1), (-.1, .1)))
+        write(os.path.join(sequence, 'model.obj'), corners + 'f 1 2 3 4\n')
+        start = (x, y, z) if absolute else (0, 0, 0)
+        write(os.path.join(sequence, 'sequence.yaml'),
+              'name: square\ninitial_pose: [%d, %d, %d, 0, 0, 0, 1]\ninitial_std: [0.005, 0.01]\n' % start)
+        out = os.path.join(c.folder, name + '.txt')
+        r = c.run('localize', sequence, '--out', out, '--particles', '100',
+                  '--set', 'map.absolute_poses=%s' % str(absolute).lower())
+        check(r.returncode == OK, 'national coordinates: %d %s' % (r.returncode, r.stderr))
+        with open(out) as f:
+            rows = [[float(v) for v in line.split()] for line in f if line[0] != '#']
+        trajectories.append([[row[1] - start[0], row[2] - start[1], row[3] - start[2]] + row[4:] for row in rows])
+    for other in trajectories[1:]:
+        check(len(other) == len(trajectories[0]) == 5 and
+              all(abs(a - b) < 1e-4 for p, q in zip(trajectories[0], other) for a, b in zip(p, q)),
+              'national coordinates: other poses: %s, %s' % (trajectories[0], other))
+
+
 def maps(c, source):
     out = os.path.join(c.folder, 'map.obj')
     sequence = sequence_in(c, 'no_depth')
@@ -300,7 +326,7 @@ def main():
     try:
         c = Cases(tool, folder)
         for part in (contradictions, rawlogs, outputs, evaluation, missing_images, simulation, comparison,
-                     detection, devices, maps):
+                     detection, devices, national_coordinates, maps):
             part(c, source)
     finally:
         shutil.rmtree(folder)
