@@ -58,6 +58,7 @@ void addTrials(CLI::App* app, Action* action);
 void addView(CLI::App* app, Action* action);
 void addBench(CLI::App* app, Action* action);
 void addMap(CLI::App* app, Action* action);
+void addAudit(CLI::App* app, Action* action);
 void addParameters(CLI::App* app, Action* action);
 
 }  // namespace edge_mcl

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   addLocalize(&app, &action);
   addInspect(&app, &action);
   addMap(&app, &action);
+  addAudit(&app, &action);
   addEvaluate(&app, &action);
   addBasin(&app, &action);
   addBag(&app, &action);

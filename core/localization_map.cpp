@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/edges/audit_table.h"
 #include "edge_mcl/core/image/edge_field.h"
 #include "edge_mcl/core/image/pixel_scale.h"
 #include "edge_mcl/core/import/mesh_loader.h"
@@ -19,7 +20,7 @@ LocalizationMap::LocalizationMap(const std::string& model_file, const Parameters
   if (edges_->lines.empty() && usesImages())
     throw InputError(model_file +
                      ": the model has no feature edges (see map.crease_angle_deg, map.boundaries, "
-                     "map.contours)");
+                     "map.contours, map.confidence)");
 }
 
 LocalizationMap::LocalizationMap(MeshModel mesh, const Parameters& params) : params_(params) {
@@ -29,6 +30,9 @@ LocalizationMap::LocalizationMap(MeshModel mesh, const Parameters& params) : par
 }
 
 void LocalizationMap::build(const std::string& model_file) {
+  if (!params_.map.confidence.empty())
+    leaveOutDoubted(readAuditTable(params_.map.confidence), params_.map.min_confidence,
+                    mesh_.get());
   edges_ = std::make_unique<EdgeModel>(buildEdgeModel(mesh_.get(), params_.map));
   visibility_ = std::make_shared<Visibility>(*mesh_, *edges_, params_.visibility);
   backend_ = std::make_unique<CpuBackend>(visibility_);

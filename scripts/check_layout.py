@@ -23,7 +23,7 @@ RANKS = [
     ['gpu/emulation'],
     ['gpu/check', 'gpu/backend'],
     ['sim', 'detector', 'mapping'],
-    ['detector/training'],
+    ['detector/training', 'audit'],
     ['localization/filter'],
     ['localization/search'],
     ['localization/tracking'],

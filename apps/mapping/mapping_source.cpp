@@ -72,52 +72,56 @@ MappingRecording::MappingRecording(const RecordingOptions& options, const std::s
                      "edge-mcl localize has written");
 }
 
+std::optional<MappingImage> mappingImageOf(const LiveInput& input, const Pose& T_map_base) {
+  if (input.images.empty() || input.depths.empty() || input.images.front().image.empty())
+    return std::nullopt;
+  const LiveInput::CameraImage& image = input.images.front();
+  const LiveInput::Depth& depth = input.depths.front();
+  MappingImage made;
+  made.grey = toGrey(image.image, image.origin).clone();
+  made.depth = registeredDepth(depth.image, image.T_base_camera.inverse() * depth.T_base_camera,
+                               image.camera);
+  if (!image.mask.empty() && image.mask.size() == made.depth.size())
+    made.depth.setTo(0, image.mask);
+  made.T_map_camera = T_map_base * image.T_base_camera;
+  return made;
+}
+
 bool MappingRecording::next() {
   image_.reset();
   LiveInput input;
   std::string problem;
   if (!input_->next(&input, &problem)) return false;
-  if (input.images.empty() || input.depths.empty() || input.images.front().image.empty())
+  const std::optional<Pose> T_map_base = poseAt(poses_, input.time);
+  if (!T_map_base || input.images.empty() || input.depths.empty() ||
+      !gate_.take(*T_map_base * input.images.front().T_base_camera))
     return true;
-  const std::optional<Pose> T_map_base = poseAt(input.time);
-  if (!T_map_base) return true;
-  const LiveInput::CameraImage& image = input.images.front();
-  const LiveInput::Depth& depth = input.depths.front();
-  const Pose pose = *T_map_base * image.T_base_camera;
-  if (!hasMoved(pose)) return true;
-  if (!camera_) camera_ = image.camera;
-  MappingImage made;
-  made.grey = toGrey(image.image, image.origin).clone();
-  made.depth = registeredDepth(depth.image, image.T_base_camera.inverse() * depth.T_base_camera,
-                               image.camera);
-  // What a mask hides moves, so it is no part of a map.
-  if (!image.mask.empty() && image.mask.size() == made.depth.size())
-    made.depth.setTo(0, image.mask);
-  made.T_map_camera = pose;
-  made.number = static_cast<uint32_t>(used_++);
-  last_ = pose;
-  image_ = std::move(made);
+  image_ = mappingImageOf(input, *T_map_base);
+  if (!image_) return true;
+  if (!camera_) camera_ = input.images.front().camera;
+  image_->number = static_cast<uint32_t>(used_++);
   return true;
 }
 
-std::optional<Pose> MappingRecording::poseAt(double time) const {
+std::optional<Pose> poseAt(const Trajectory& poses, double time) {
   constexpr double kSameMoment = 0.01, kLongestGap = 0.2;  // s
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), time,
+  const auto after = std::lower_bound(poses.begin(), poses.end(), time,
                                       [](const StampedPose& p, double t) { return p.time < t; });
-  if (after != poses_.end() && after->time - time < kSameMoment) return after->pose;
-  if (after == poses_.begin()) return std::nullopt;
+  if (after != poses.end() && after->time - time < kSameMoment) return after->pose;
+  if (after == poses.begin()) return std::nullopt;
   const StampedPose& before = *(after - 1);
   if (time - before.time < kSameMoment) return before.pose;
-  if (after == poses_.end() || after->time - before.time > kLongestGap) return std::nullopt;
+  if (after == poses.end() || after->time - before.time > kLongestGap) return std::nullopt;
   return interpolate(before.pose, after->pose, (time - before.time) / (after->time - before.time));
 }
 
-bool MappingRecording::hasMoved(const Pose& pose) const {
-  // Images from one place show the same errors, so a line needs views from several places.
+bool MotionGate::take(const Pose& pose) {
   constexpr double kDistance = 0.05, kAngle = 3 * kDegree;
-  if (!last_) return true;
-  return (last_->translation() - pose.translation()).norm() > kDistance ||
-         rotationAngle(*last_, pose) > kAngle;
+  if (last_ && (last_->translation() - pose.translation()).norm() <= kDistance &&
+      rotationAngle(*last_, pose) <= kAngle)
+    return false;
+  last_ = pose;
+  return true;
 }
 
 }  // namespace edge_mcl

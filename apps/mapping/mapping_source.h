@@ -13,6 +13,25 @@
 
 namespace edge_mcl {
 
+/// The image and the depth of a moment, where the depth is as the camera of the image sees it.
+/// Masked pixels have no depth, because what a mask hides moves.
+/// @return none: the moment lacks one of them
+std::optional<MappingImage> mappingImageOf(const LiveInput& input, const Pose& T_map_base);
+
+/// The pose of a trajectory at a time, s, between two neighbours that are at most 0.2 s apart.
+std::optional<Pose> poseAt(const Trajectory& poses, double time);
+
+/// Tells whether a camera has moved since the last pose that was taken. Images from one place show
+/// the same errors, so a line needs views from several places.
+class MotionGate {
+ public:
+  /// @return whether the pose is taken
+  bool take(const Pose& pose);
+
+ private:
+  std::optional<Pose> last_;
+};
+
 /// The images of a recording that a map needs: with depth, with a pose, and with some motion since
 /// the last one.
 class MappingRecording {
@@ -33,14 +52,11 @@ class MappingRecording {
   size_t used() const { return used_; }
 
  private:
-  std::optional<Pose> poseAt(double time) const;
-  bool hasMoved(const Pose& pose) const;
-
   std::unique_ptr<RecordedInput> input_;
   Trajectory poses_;
   std::optional<CameraModel> camera_;
   std::optional<MappingImage> image_;
-  std::optional<Pose> last_;
+  MotionGate gate_;
   size_t used_ = 0;
 };
 

@@ -30,6 +30,8 @@ struct MapParameters {
   double sample_step = 0;
   double min_line_length = 0;
   bool seams = false;
+  std::string confidence;
+  double min_confidence = 0.5;
   double import_seconds = 0;
   double import_gigabytes = 0;
 
@@ -71,6 +73,12 @@ struct MapParameters {
       "edges that are not seen are feature edges, too: seams in flat surfaces, and edges that "
       "other "
       "parts cover");
+    v("confidence", confidence, "", anyValue(),
+      "table that `edge-mcl audit` has written: its lines and shapes of low confidence are left "
+      "out "
+      "of the map; empty = none");
+    v("min_confidence", min_confidence, "", between(0, 1),
+      "lines and shapes with a lower confidence are left out");
     v("import_seconds", import_seconds, "s", notNegative(),
       "longest time for reading the model file; 0 = 20 s, and 2 s for each megabyte");
     v("import_gigabytes", import_gigabytes, "GB", notNegative(),

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "edge_mcl/core/drawing/chart.h"
-#include "edge_mcl/core/drawing/text.h"
+#include "edge_mcl/core/drawing/line_view.h"
 #include "edge_mcl/core/image/edge_field.h"
 #include "edge_mcl/core/image/pixel_scale.h"
 
@@ -13,7 +13,7 @@ namespace edge_mcl {
 
 namespace {
 
-const cv::Scalar kGreen(60, 200, 30), kBlue(255, 120, 30), kRed(40, 40, 235), kPaper(255, 255, 255);
+const cv::Scalar kGreen(60, 200, 30), kBlue(255, 120, 30), kRed(40, 40, 235);
 
 cv::Point toPixel(const Eigen::Vector2d& p) {
   return {static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y()))};
@@ -93,47 +93,24 @@ cv::Mat drawOverlay(const LocalizationMap& map, const PreparedImage& image, cons
 }
 
 cv::Mat drawWireframe(const LocalizationMap& map, int width, int height) {
-  cv::Mat picture(height, width, CV_8UC3, kPaper);
-  const Eigen::Vector3d low = map.mesh().lowest.cast<double>();
-  const Eigen::Vector3d high = map.mesh().highest.cast<double>();
-  const Eigen::Vector3d centre = (low + high) / 2;
-  const double radius = std::max(1e-6, (high - low).norm() / 2);
-  // The camera looks from above one corner. It is far enough away to see the whole model.
-  const Eigen::Vector3d back = Eigen::Vector3d(-0.6, -0.9, 0.65).normalized();
-  Pose view = Pose::Identity();
-  view.linear().col(2) = -back;
-  view.linear().col(0) = (-back).cross(Eigen::Vector3d::UnitZ()).normalized();
-  view.linear().col(1) = view.linear().col(2).cross(view.linear().col(0));
-  view.translation() = centre + 3.2 * radius * back;
-  const Pose view_from_map = view.inverse();
-  const double focal = 1.45 * std::min(width, height);
-  const auto project = [&](const Eigen::Vector3f& p) {
-    const Eigen::Vector3d q = view_from_map * p.cast<double>();
-    return toPixel({width / 2.0 + focal * q.x() / q.z(), height / 2.0 + focal * q.y() / q.z()});
-  };
+  const DrawnBox box{map.mesh().lowest.cast<double>(), map.mesh().highest.cast<double>()};
+  std::vector<DrawnLine> lines;
   for (const EdgeLine& line : map.edges().lines) {
     if (line.kind == EdgeKind::kContour) {
-      const Eigen::Vector3f to_eye = view.translation().cast<float>() - line.start;
+      const Eigen::Vector3f to_eye = box.eye().cast<float>() - line.start;
       if ((line.normal_a.dot(to_eye) > 0) == (line.normal_b.dot(to_eye) > 0)) continue;
     }
-    cv::line(picture, project(line.start), project(line.end), kindColour(line.kind), 1,
-             cv::LINE_AA);
+    lines.push_back({line.start.cast<double>(), line.end.cast<double>(), kindColour(line.kind)});
   }
-  int y = 22;
+  std::vector<LegendEntry> legend;
   for (int k = 0; k < kEdgeKinds; ++k) {
     const auto kind = static_cast<EdgeKind>(k);
     const size_t count = map.edges().countOf(kind);
-    if (count == 0) continue;
-    cv::line(picture, {12, y - 4}, {40, y - 4}, kindColour(kind), 2, cv::LINE_AA);
-    drawText(&picture, std::string(edgeKindName(kind)) + "  " + std::to_string(count), {48, y},
-             chartInk(), kChartText);
-    y += 20;
+    if (count > 0)
+      legend.push_back(
+          {std::string(edgeKindName(kind)) + "  " + std::to_string(count), kindColour(kind)});
   }
-  char size[96];
-  const Eigen::Vector3d extent = high - low;
-  std::snprintf(size, sizeof size, "%.3g x %.3g x %.3g m", extent.x(), extent.y(), extent.z());
-  drawText(&picture, size, {12, height - 12}, chartInk(), kChartText);
-  return picture;
+  return drawLineView(lines, box, legend, {width, height});
 }
 
 }  // namespace edge_mcl

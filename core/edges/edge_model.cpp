@@ -6,6 +6,7 @@
 
 #include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/edges/covered_edges.h"
+#include "edge_mcl/core/edges/line_cuts.h"
 #include "edge_mcl/core/edges/line_merging.h"
 
 namespace edge_mcl {
@@ -251,6 +252,7 @@ EdgeModel buildEdgeModel(MeshModel* mesh, const MapParameters& params) {
   }
   const double tolerance = std::clamp(1e-5 * mesh->diagonal(), 1e-6, 1e-3);
   model.merged_pieces = mergeCollinear(&found.features, tolerance);
+  cutOut(mesh->left_out, &found.features);
   for (const EdgeLine& line : found.features) {
     if (line.length() < params.min_line_length || line.length() <= 0) continue;
     model.feature_length += line.length();

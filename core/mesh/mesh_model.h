@@ -45,6 +45,9 @@ struct MeshModel {
   std::vector<bool> hides_only;
   /// Explicit line elements, two vertex numbers each.
   std::vector<std::array<uint32_t, 2>> lines;
+  /// Pieces of straight lines that are no feature edges, whatever the faces say (start and end, map
+  /// frame, metres). See leaveOutDoubted().
+  std::vector<std::array<Eigen::Vector3d, 2>> left_out;
   uint32_t material_count = 0;
   std::vector<Eigen::Vector3f> material_colors;  ///< diffuse red, green and blue, each 0 to 1
   MeshReport report;

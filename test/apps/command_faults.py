@@ -320,13 +320,44 @@ def maps(c, source):
     check(not os.path.exists(out), 'a map that failed has left a file')
 
 
+def audits(c, source):
+    sequence, table = sequence_in(c, 'audited'), os.path.join(c.folder, 'audit.csv')
+    picture, lines = os.path.join(c.folder, 'audit.png'), os.path.join(c.folder, 'audit.obj')
+    r = expect(c, 'audit', OK, (), 'audit', sequence, '--poses', os.path.join(sequence, 'groundtruth.txt'), '--out', table,
+               '--picture', picture, '--obj', lines, '--json')
+    summary = json.loads(r.stdout)
+    # The square has four sides of 0.2 m. All images are from one place, so nothing is judged.
+    check(summary['images'] == 1 and summary['images_with_depth'] == 0 and
+          abs(summary['length_m']['unseen'] - 0.8) < 1e-3 and not summary['gone_shapes'],
+          'audit: summary %s' % summary)
+    check(os.path.getsize(picture) > 1000, 'audit: no picture')
+    expect(c, 'inspect the lines of an audit', OK, (), 'inspect', lines)
+    expect(c, 'a confidence of 1', OK, (), 'inspect', os.path.join(sequence, 'model.obj'), '--set',
+           'map.confidence=' + table)
+    no_poses = os.path.join(c.folder, 'no_poses.txt')
+    write(no_poses, '100 0 0 0 0 0 0 1\n')
+    expect(c, 'audit without poses', INPUT, (no_poses,), 'audit', sequence, '--poses', no_poses, '--out', table)
+    expect(c, 'audit into no folder', INPUT, ('/does/not',), 'audit', sequence, '--out', '/does/not/exist.csv')
+    model = os.path.join(sequence, 'model.obj')
+    expect(c, 'no table', INPUT, ('nothing.csv',), 'inspect', model, '--set', 'map.confidence=nothing.csv')
+    with open(table, 'a') as f:
+        f.write('line,0,0,0,1,1,1,0,3,1,0,nan,gone\n')
+    expect(c, 'broken table', INPUT, ('audit.csv:6:',), 'inspect', model, '--set', 'map.confidence=' + table)
+    with open(table, 'w') as f:
+        f.write('part,x1,y1,z1,x2,y2,z2,shape,viewpoints,shown,by_chance,confidence,verdict\n'
+                'shape,-0.1,-0.1,0.5,0.1,0.1,0.5,0,3,0,0,0,gone\n')
+    expect(c, 'nothing is left of the model', INPUT, ('map.confidence',), 'inspect', model, '--set',
+           'map.confidence=' + table)
+
+
 def main():
     tool, source = sys.argv[1:3]
     folder = tempfile.mkdtemp()
     try:
         c = Cases(tool, folder)
         for part in (contradictions, rawlogs, outputs, evaluation, missing_images, simulation, comparison,
-                     detection, devices, national_coordinates, maps):
+                     detection, devices, national_coordinates, maps,
+                     audits):
             part(c, source)
     finally:
         shutil.rmtree(folder)

@@ -1,0 +1,16 @@
+/// Cuts pieces out of lines.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "edge_mcl/core/edges/edge_model.h"
+
+namespace edge_mcl {
+
+/// Cuts the pieces out of the lines that they lie on. Pieces that lie on no line are ignored.
+/// @param pieces start and end of each, map frame, metres.
+void cutOut(const std::vector<std::array<Eigen::Vector3d, 2>>& pieces,
+            std::vector<EdgeLine>* lines);
+
+}  // namespace edge_mcl
