@@ -1,6 +1,7 @@
 #include "edge_mcl/mapping/depth_fusion.h"
 
 #ifdef EDGE_MCL_HAS_OPEN3D
+#include <omp.h>
 #include <open3d/camera/PinholeCameraIntrinsic.h>
 #include <open3d/geometry/Image.h>
 #include <open3d/geometry/RGBDImage.h>
@@ -42,6 +43,9 @@ void DepthFusion::add(const MappingImage& image) {
       *rgbd.depth_.PointerAt<float>(x, y) =
           std::isfinite(z) && static_cast<double>(z) < impl_->options.max_depth ? z : 0;
     }
+  // Open3D starts all threads of OpenMP for each block of 16 x 16 x 16 voxels. Waiting for one
+  // another takes seven times as long as the work, and more beside other programs.
+  omp_set_num_threads(1);
   impl_->volume.Integrate(rgbd, impl_->intrinsic, image.T_map_camera.inverse().matrix());
 }
 

@@ -32,7 +32,8 @@ std::string vertexText(const Eigen::Vector3d& v) {
 }  // namespace
 
 void writeMapFile(const std::string& file, const std::vector<MappedLine>& lines,
-                  const MeshSoup& hiding_faces, const std::string& comment) {
+                  const MeshSoup& hiding_faces, const Eigen::Vector3d& origin,
+                  const std::string& comment) {
   std::ostringstream out;
   out << "# " << comment << "\n# metres\n";
   size_t vertices = 0;
@@ -49,7 +50,8 @@ void writeMapFile(const std::string& file, const std::vector<MappedLine>& lines,
   }
   if (!hiding_faces.triangles.empty()) {
     out << "o " << kHidingFaces << "\n";
-    for (const Eigen::Vector3f& v : hiding_faces.vertices) out << vertexText(v.cast<double>());
+    for (const Eigen::Vector3f& v : hiding_faces.vertices)
+      out << vertexText(v.cast<double>() + origin);
     for (const auto& t : hiding_faces.triangles)
       out << "f " << vertices + t[0] + 1 << " " << vertices + t[1] + 1 << " " << vertices + t[2] + 1
           << "\n";

@@ -39,6 +39,19 @@ struct MapOptions {
 struct MapParts {
   std::vector<MappedLine> lines;
   MeshSoup faces;
+  Eigen::Vector3d faces_origin = Eigen::Vector3d::Zero();  ///< in the coordinates of the lines
+
+  /// Adds lines and, when there are none yet, faces. @param origin of both, m
+  void add(std::vector<MappedLine> more, MeshSoup soup, const Eigen::Vector3d& origin) {
+    for (MappedLine& line : more) {
+      line.start += origin;
+      line.end += origin;
+      lines.push_back(line);
+    }
+    if (!faces.triangles.empty()) return;
+    faces = std::move(soup);
+    faces_origin = origin;
+  }
 };
 
 /// Images are kept until there are enough for all threads.
@@ -106,9 +119,8 @@ void addRecording(const MapOptions& o, const std::string& source, MapParts* part
   TrackOptions tracking;
   tracking.focal = recording.camera()->fx;
   if (o.min_views > 0) tracking.min_views = o.min_views;
-  std::vector<MappedLine> lines = trackLines(finder->finish(), tracking);
-  parts->lines.insert(parts->lines.end(), lines.begin(), lines.end());
-  if (fusion && parts->faces.triangles.empty()) parts->faces = fusion->faces();
+  const std::vector<MappedLine> lines = trackLines(finder->finish(), tracking);
+  parts->add(lines, fusion ? fusion->faces() : MeshSoup(), recording.origin());
   std::printf("%s: %zu images, %zu lines\n", source.c_str(), recording.used(), lines.size());
 }
 
@@ -154,9 +166,10 @@ void addScan(const MapOptions& o, const std::string& source, const MapParameters
   tracking.focal = views.camera().fx;
   tracking.pixel_sigma = 1;
   tracking.min_views = o.min_views > 0 ? o.min_views : 4;
-  std::vector<MappedLine> lines = trackLines(segments, tracking);
-  parts->lines.insert(parts->lines.end(), lines.begin(), lines.end());
-  if (!o.no_faces) parts->faces = simplifiedFaces(mesh.vertices, mesh.triangles, o.face_size);
+  const std::vector<MappedLine> lines = trackLines(segments, tracking);
+  parts->add(lines,
+             o.no_faces ? MeshSoup() : simplifiedFaces(mesh.vertices, mesh.triangles, o.face_size),
+             mesh.origin);
   std::printf("%s: %zu triangles, %zu views, %zu lines\n", source.c_str(), mesh.triangles.size(),
               poses.size(), lines.size());
 }
@@ -174,7 +187,7 @@ int run(const MapOptions& o) {
   }
   if (parts.lines.empty())
     throw InputError(o.sources.front() + ": no line was found that enough images agree on");
-  writeMapFile(o.out, parts.lines, parts.faces, "map by edge-mcl map");
+  writeMapFile(o.out, parts.lines, parts.faces, parts.faces_origin, "map by edge-mcl map");
   double length = 0;
   for (const MappedLine& line : parts.lines) length += (line.end - line.start).norm();
   std::printf("%s: %zu lines with a length of %.1f m, %zu hiding faces\n", o.out.c_str(),

@@ -70,6 +70,11 @@ MappingRecording::MappingRecording(const RecordingOptions& options, const std::s
     throw InputError(options.recording +
                      ": the recording has no poses; give a trajectory with --poses, e.g. one that "
                      "edge-mcl localize has written");
+  constexpr double kFar = 5000, kRound = 100;  // m, as of map.origin
+  const Eigen::Vector3d first = poses_.front().pose.translation();
+  if (first.cwiseAbs().maxCoeff() < kFar) return;
+  origin_ = (first / kRound).array().round().matrix() * kRound;
+  for (StampedPose& stamped : poses_) stamped.pose.translation() -= origin_;
 }
 
 std::optional<MappingImage> mappingImageOf(const LiveInput& input, const Pose& T_map_base) {

@@ -50,10 +50,14 @@ class MappingRecording {
   /// Camera of the images. Set after the first image.
   const std::optional<CameraModel>& camera() const { return camera_; }
   size_t used() const { return used_; }
+  /// Origin of the images' poses in the coordinates of the trajectory, m: fused surfaces are in
+  /// single precision. Zero within 5 km.
+  const Eigen::Vector3d& origin() const { return origin_; }
 
  private:
   std::unique_ptr<RecordedInput> input_;
   Trajectory poses_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   std::optional<CameraModel> camera_;
   std::optional<MappingImage> image_;
   MotionGate gate_;

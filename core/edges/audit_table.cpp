@@ -116,7 +116,9 @@ void leaveOutDoubted(const std::vector<AuditRow>& rows, double least_confidence,
         std::to_string(unknown) +
         " shapes of map.confidence are not in the model. Is the table that of another model, or "
         "with other map parameters?");
-  if (std::find(gone.begin(), gone.end(), true) == gone.end()) return;
+  const auto count = std::count(gone.begin(), gone.end(), true);
+  if (count == 0) return;
+  mesh->report.warnings.push_back("map.confidence leaves out " + std::to_string(count) + " shapes");
   size_t kept = 0;
   for (size_t t = 0; t < mesh->triangles.size(); ++t) {
     if (gone[shapes.of_triangle[t]]) continue;

@@ -252,7 +252,11 @@ EdgeModel buildEdgeModel(MeshModel* mesh, const MapParameters& params) {
   }
   const double tolerance = std::clamp(1e-5 * mesh->diagonal(), 1e-6, 1e-3);
   model.merged_pieces = mergeCollinear(&found.features, tolerance);
-  cutOut(mesh->left_out, &found.features);
+  const size_t cut = cutOut(mesh->left_out, &found.features);
+  if (!mesh->left_out.empty())
+    mesh->report.warnings.push_back("map.confidence leaves out " + std::to_string(cut) + " of " +
+                                    std::to_string(mesh->left_out.size()) +
+                                    " pieces of lines; the others are not in the map");
   for (const EdgeLine& line : found.features) {
     if (line.length() < params.min_line_length || line.length() <= 0) continue;
     model.feature_length += line.length();

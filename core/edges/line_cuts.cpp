@@ -54,8 +54,9 @@ class Pieces {
 
 }  // namespace
 
-void cutOut(const std::vector<std::array<Vector3d, 2>>& pieces, std::vector<EdgeLine>* lines) {
-  if (pieces.empty()) return;
+size_t cutOut(const std::vector<std::array<Vector3d, 2>>& pieces, std::vector<EdgeLine>* lines) {
+  if (pieces.empty()) return 0;
+  std::vector<bool> found(pieces.size(), false);
   const Pieces by_place(pieces);
   std::vector<EdgeLine> kept;
   for (const EdgeLine& line : *lines) {
@@ -70,7 +71,9 @@ void cutOut(const std::vector<std::array<Vector3d, 2>>& pieces, std::vector<Edge
         along[k] = to.dot(way) / std::max(length, 1e-9);
         off = std::max(off, (to - along[k] / std::max(length, 1e-9) * way).norm());
       }
-      if (off < kOnLine) cuts.emplace_back(std::minmax(along[0], along[1]));
+      if (off >= kOnLine) continue;
+      cuts.emplace_back(std::minmax(along[0], along[1]));
+      found[i] = true;
     }
     if (cuts.empty()) {
       kept.push_back(line);
@@ -90,6 +93,7 @@ void cutOut(const std::vector<std::array<Vector3d, 2>>& pieces, std::vector<Edge
     }
   }
   *lines = std::move(kept);
+  return static_cast<size_t>(std::count(found.begin(), found.end(), true));
 }
 
 }  // namespace edge_mcl

@@ -10,7 +10,8 @@ namespace edge_mcl {
 
 /// Cuts the pieces out of the lines that they lie on. Pieces that lie on no line are ignored.
 /// @param pieces start and end of each, map frame, metres.
-void cutOut(const std::vector<std::array<Eigen::Vector3d, 2>>& pieces,
-            std::vector<EdgeLine>* lines);
+/// @return number of pieces that lie on a line
+size_t cutOut(const std::vector<std::array<Eigen::Vector3d, 2>>& pieces,
+              std::vector<EdgeLine>* lines);
 
 }  // namespace edge_mcl

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -220,6 +221,26 @@ FileUnit statedUnit(const std::string& file) {
   if (extension == ".ifc") return ifcUnit(file);
   if (extension == ".dxf") return dxfUnit(file);
   return {};
+}
+
+bool endsTooEarly(const std::string& file) {
+  const std::string extension = extensionOf(file);
+  const char* mark = extension == ".ifc"   ? "END-ISO-10303-21"
+                     : extension == ".dxf" ? "EOF"
+                                           : nullptr;
+  if (mark == nullptr) return false;
+  constexpr std::streamoff kTail = 4096;  // comments may follow the mark
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in.tellg();
+  in.seekg(std::max<std::streamoff>(0, size - kTail));
+  std::string tail(std::istreambuf_iterator<char>(in), {});
+  // A binary DXF has no line of text at its end.
+  constexpr const char* kBinaryDxf = "AutoCAD Binary DXF";
+  in.clear();
+  in.seekg(0);
+  std::string begin(std::char_traits<char>::length(kBinaryDxf), ' ');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin != kBinaryDxf && tail.find(mark) == std::string::npos;
 }
 
 }  // namespace edge_mcl

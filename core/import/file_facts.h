@@ -20,6 +20,10 @@ std::string extensionOf(const std::string& file);
 ///   convert the file.
 void requireReadableFormat(const std::string& file);
 
+/// Whether a file of a format that ends with a mark (IFC, DXF) lacks the mark, as after a download
+/// that was cut off. A part of the model is missing then.
+bool endsTooEarly(const std::string& file);
+
 /// Reads the unit of an IFC file, where assimp ignores units such as foot and inch, and of a DXF
 /// file
 /// ($INSUNITS). Other formats are not looked at.

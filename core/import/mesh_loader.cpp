@@ -197,6 +197,9 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   mesh.report.degenerate_triangles += empty_faces;
   std::vector<std::string>& warnings = mesh.report.warnings;
   if (rounding > 0.001) warnings.push_back(coarse);
+  if (endsTooEarly(file))
+    warnings.emplace_back(
+        "the file lacks the mark at its end. Was it cut off? Then a part of the model is missing");
   if (!unit.empty()) {
     mesh.report.unit = unit;
     if (params.scale > 0 && std::abs(params.scale / file_unit - 1) > 1e-6)

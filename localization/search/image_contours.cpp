@@ -119,4 +119,8 @@ ContourMatch ImageContours::compare(const VisibleSet& visible, const CameraModel
   return match;
 }
 
+bool showsLongContours(const EdgeImage& image) {
+  return ImageContours(image).size() >= static_cast<size_t>(image.width());
+}
+
 }  // namespace edge_mcl

@@ -61,4 +61,8 @@ class ImageContours {
   Cells image_edges_;  ///< directions of model edges that have an image edge here, or a mask
 };
 
+/// Whether the long contours of an image have at least as many pixels as the image is wide: about a
+/// line from border to border. A bare wall shows less.
+bool showsLongContours(const EdgeImage& image);
+
 }  // namespace edge_mcl

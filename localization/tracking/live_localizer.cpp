@@ -21,6 +21,9 @@ namespace {
 /// odometry may have drifted (0.1 m/s is not rare) to where an image fits one shelf aside.
 constexpr double kBlindly = 3;  // s
 
+/// Standard deviations of a look-alike, which the refinement has just found.
+constexpr PoseTolerance kJump{0.05, 1 * kDegree};
+
 }  // namespace
 
 LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map, bool search_in_background)
@@ -40,6 +43,7 @@ void LiveLocalizer::begin() {
   searching_ = false;
   mask_lifter_.forget();
   probability_.begin(false);
+  look_alikes_.begin();
   proof_.begin(isSpreadWide());
   if (proof_.isNeeded()) beginSearch(true);
 }
@@ -121,8 +125,10 @@ bool LiveLocalizer::agreesWith(const SearchReport& report) const {
 }
 
 bool LiveLocalizer::addToProof(double time, LiveResult* result) {
-  const auto odds = result->updated ? oddsOf(result->report) : std::nullopt;
+  auto odds = result->updated ? oddsOf(result->report) : std::nullopt;
   if (odds) {
+    if (result->look_alike_odds)
+      odds->log_odds = std::min(odds->log_odds, *result->look_alike_odds);
     result->log_odds = odds->log_odds;
     probability_.add(time, *odds);
   } else {
@@ -237,92 +243,6 @@ bool LiveLocalizer::hasMoved(const LiveInput& input) const {
          (p.update_min_a_deg > 0 && angle_deg >= p.update_min_a_deg);
 }
 
-cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::CameraImage& view) {
-  // Only while the pose is trusted: at a wrong pose other edges under the mask may fit by chance.
-  const bool fits = view.mask.type() == CV_8UC1 && view.mask.size() == view.image.size() &&
-                    view.image.cols == view.camera.width && view.image.rows == view.camera.height;
-  if (!tracking_.lift_mask || state() != LocalizerState::kTracking || view.mask.empty() || !fits)
-    return view.mask;
-  try {
-    return mask_lifter_.lift(number, *map_, view.camera, view.image, view.mask,
-                             filter_.estimate().mean * view.T_base_camera);
-  } catch (const InputError&) {
-    return view.mask;  // the preparation of the image reports this fault
-  }
-}
-
-void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
-  // Images are counted in a row. An image that was not used, or did not confirm the pose, ends the
-  // row.
-  if (!used || state() != LocalizerState::kTracking) return mask_lifter_.forget();
-  std::vector<Pose> T_base_camera;
-  for (const LiveInput::CameraImage& view : input.images)
-    T_base_camera.push_back(view.T_base_camera);
-  mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
-}
-
-void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
-                                  std::vector<CameraView>* views, std::string* problem) {
-  const TrackingParameters& p = tracking_;
-  for (size_t number = 0; number < input.images.size(); ++number) {
-    const LiveInput::CameraImage& view = input.images[number];
-    if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
-      const double share =
-          static_cast<double>(cv::countNonZero(view.mask)) / static_cast<double>(view.mask.total());
-      result->masked_share = std::max(result->masked_share, share);
-      if (share > p.max_masked_share) {
-        *problem = view.origin + ": the mask leaves too little of the image";
-        continue;
-      }
-    }
-    std::shared_ptr<const PreparedImage> image;
-    try {
-      image = map_->prepare(view.camera, view.image, maskOf(number, view), view.origin);
-    } catch (const Error& e) {
-      *problem = e.what();
-      continue;
-    }
-    result->image_times.edges += image->times.edges;
-    result->image_times.field += image->times.field;
-    result->image_times.table += image->times.table;
-    if (static_cast<double>(image->pixels.list().size()) < image->pixel_scale * p.min_edge_pixels) {
-      *problem = view.origin + ": hardly any edges in the image (dark or covered?)";
-      continue;
-    }
-    result->images.push_back(image);
-    result->image_numbers.push_back(number);
-    views->push_back({image, view.T_base_camera, 1, nullptr});
-  }
-}
-
-std::vector<CameraView> LiveLocalizer::prepareDepths(const LiveInput& input,
-                                                     std::string* problem) const {
-  constexpr size_t kFewestPoints = 50;
-  std::vector<CameraView> views;
-  for (const LiveInput::Depth& depth : input.depths) {
-    try {
-      std::shared_ptr<const DepthPoints> points = map_->prepareDepth(depth.image);
-      if (points->count < kFewestPoints)
-        *problem = depth.image.origin + ": hardly any depth in range (covered?)";
-      else
-        views.push_back({nullptr, depth.T_base_camera, 1, std::move(points), depth.sensor});
-    } catch (const Error& e) {
-      *problem = e.what();
-    }
-  }
-  return views;
-}
-
-std::vector<CameraView> LiveLocalizer::prepare(const LiveInput& input, LiveResult* result,
-                                               std::string* problem) {
-  std::vector<CameraView> views;
-  if (map_->usesImages()) prepareImages(input, result, &views, problem);
-  if (map_->usesDepth())
-    for (CameraView& view : prepareDepths(input, problem)) views.push_back(std::move(view));
-  if (views.empty() && problem->empty()) *problem = "no image";
-  return views;
-}
-
 std::string LiveLocalizer::useImages(std::vector<CameraView> views, LiveResult* result) {
   std::string problem;
   const auto hasImage = [](const CameraView& v) { return v.image != nullptr; };
@@ -340,6 +260,10 @@ std::string LiveLocalizer::useImages(std::vector<CameraView> views, LiveResult* 
   if (!r.has_information) return "nothing of the model in view";
   result->match_ratio =
       r.used_samples > 0 ? static_cast<double>(r.matched_samples) / r.used_samples : 0;
+  const LookAlikeWatch::Result watched =
+      look_alikes_.look(*map_, views, filter_.estimate().mean, *last_time_);
+  result->look_alike_odds = watched.log_odds;
+  result->look_alike = watched.better;
   return problem;
 }
 
@@ -359,13 +283,18 @@ bool LiveLocalizer::isConfirmed(const LiveResult& result) const {
   return (used_edges || used_depth) && (by_edges || !used_edges) && (by_depth || !used_depth);
 }
 
-bool LiveLocalizer::showWhatIsNotInView(const std::vector<CameraView>& views) {
-  // The limit is about a line from border to border. A bare wall shows less.
-  const auto shows = [](const CameraView& view) {
-    return view.image && ImageContours(view.image->edges).size() >=
-                             static_cast<size_t>(view.image->edges.width());
-  };
-  return std::any_of(views.begin(), views.end(), shows);
+void LiveLocalizer::jumpTo(const Pose& pose, LiveResult* result) {
+  PoseGaussian start;
+  start.mean = pose;
+  start.covariance.diagonal().head<3>().setConstant(kJump.position * kJump.position);
+  start.covariance.diagonal().tail<3>().setConstant(kJump.angle * kJump.angle);
+  filter_.initialize(start);
+  begin();
+  proof_.require(false);
+  fresh_ = false;  // the pose belongs to this moment
+  result->relocalized = true;
+  result->problem =
+      "a pose that looks like the tracked one fits better; localization goes on there";
 }
 
 void LiveLocalizer::judge(double time, bool trusted, bool used) {
@@ -425,11 +354,16 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     judge(input.time, trusted, result->updated);
     if (result->updated)
       odometry_.update(result->report, trusted && state() == LocalizerState::kTracking);
+    if (result->look_alike) return jumpTo(*result->look_alike, result);
     learnUnderMasks(input, result->updated);
     if (trusted) searching_ = false;
     if (state() == LocalizerState::kLost) {
       const bool contradicted =
-          result->updated ? !confirmed : !searching_ && showWhatIsNotInView(views);
+          result->updated
+              ? !confirmed
+              : !searching_ && std::any_of(views.begin(), views.end(), [](const CameraView& view) {
+                  return view.image && showsLongContours(view.image->edges);
+                });
       const bool astray = isSpreadWide() || states_.timeWithoutTrust(input.time) > kBlindly;
       // With odometry the robot cannot be anywhere, because odometry has followed it.
       if (contradicted || astray) proof_.require(contradicted && !input.odometry);

@@ -10,6 +10,7 @@
 #include "edge_mcl/localization/filter/pose_filter.h"
 #include "edge_mcl/localization/search/pose_finder.h"
 #include "edge_mcl/localization/tracking/localizer_state.h"
+#include "edge_mcl/localization/tracking/look_alike_watch.h"
 #include "edge_mcl/localization/tracking/mask_lifter.h"
 #include "edge_mcl/localization/tracking/odometry_track.h"
 #include "edge_mcl/localization/tracking/pose_probability.h"
@@ -54,10 +55,12 @@ struct LiveResult {
   StageTimes image_times;
   /// Probability that the pose is within 0.25 m and 5 degrees, see PoseProbability.
   double probability = 0;
-  double log_odds = 0;           ///< of this image alone; 0: it told nothing
-  OdometryCalibration odometry;  ///< learnt errors of odometry
-  double masked_share = 0;       ///< masked share of the image; the largest of all cameras
-  double match_ratio = 0;        ///< share of the visible samples with an image edge in reach
+  double log_odds = 0;                    ///< of this image alone; 0: it told nothing
+  OdometryCalibration odometry;           ///< learnt errors of odometry
+  double masked_share = 0;                ///< masked share of the image; the largest of all cameras
+  std::optional<double> look_alike_odds;  ///< see LookAlikeWatch::Result
+  std::optional<Pose> look_alike;         ///< T_map_base, a pose that fits better
+  double match_ratio = 0;  ///< share of the visible samples with an image edge in reach
   std::vector<std::shared_ptr<const PreparedImage>> images;  ///< those that can be used
   std::vector<size_t> image_numbers;  ///< number of the view of every image in `images`
   /// During a search: places where the robot may be, best first. Empty otherwise.
@@ -113,8 +116,8 @@ class LiveLocalizer {
   /// Updates the filter. @return a fault; empty: none
   std::string useImages(std::vector<CameraView> views, LiveResult* result);
   void beginSearch(bool only_around);
-  /// Whether the long contours of an image have at least as many pixels as the image is wide.
-  static bool showWhatIsNotInView(const std::vector<CameraView>& views);
+  /// Goes on at a pose that looks like the tracked one. It must be proven.
+  void jumpTo(const Pose& pose, LiveResult* result);
   bool isSpreadWide() const;
   /// Whether only the search uses the images: the pose is lost and the particles are spread wide.
   bool isLeftToSearch(const LiveInput& input) const;
@@ -146,6 +149,7 @@ class LiveLocalizer {
   PoseFilter filter_;
   PoseProof proof_;
   PoseProbability probability_;
+  LookAlikeWatch look_alikes_;
   MaskLifter mask_lifter_;
   std::optional<PoseGaussian> initial_;
   std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back

@@ -17,7 +17,7 @@ TEST(MapFile, ItsLinesAreEdgesAndItsFacesOnlyHide) {
   const std::vector<MappedLine> lines{{{0, 0, 0}, {1, 0, 0}, 0.004, 5},
                                       {{0, 0, 2}, {1, 0, 2}, 0.015, 4},
                                       {{0, 3, 2}, {1, 3, 2}, 0.5, 4}};
-  writeMapFile(file, lines, box, "a comment");
+  writeMapFile(file, lines, box, Eigen::Vector3d::Zero(), "a comment");
   MeshModel mesh = loadMesh(file, {});
   EXPECT_EQ(mesh.lines.size(), 3u);
   EXPECT_EQ(mesh.triangles.size(), 12u);
@@ -30,8 +30,23 @@ TEST(MapFile, ItsLinesAreEdgesAndItsFacesOnlyHide) {
   EXPECT_EQ(edges.lines.size(), 3u);
 }
 
+TEST(MapFile, FacesKeepTheirMillimetresFarFromTheOrigin) {
+  const std::string file = testing::TempDir() + "far.obj";
+  const Eigen::Vector3d origin(500000, 5400000, 200);
+  MeshSoup box;
+  test::addBox(&box, {0.1234f, 0, 0}, {1, 1, 1});
+  writeMapFile(file, {{origin, origin + Eigen::Vector3d(1, 0, 0), 0.004, 5}}, box, origin, "");
+  const MeshModel mesh = loadMesh(file, {});
+  EXPECT_NEAR(mesh.lowest.x() + mesh.origin.x(), 500000, 1e-3);
+  bool found = false;
+  for (const Eigen::Vector3f& v : mesh.vertices)
+    found = found || std::abs(v.x() + mesh.origin.x() - 500000.1234) < 1e-3;
+  EXPECT_TRUE(found);
+}
+
 TEST(MapFile, AFileThatCannotBeWrittenIsAnError) {
-  EXPECT_THROW(writeMapFile("/does/not/exist/map.obj", {}, {}, ""), InputError);
+  EXPECT_THROW(writeMapFile("/does/not/exist/map.obj", {}, {}, Eigen::Vector3d::Zero(), ""),
+               InputError);
 }
 
 }  // namespace

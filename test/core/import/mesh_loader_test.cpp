@@ -319,5 +319,20 @@ TEST(MeshLoader, BuildingModelsKeepTheirAxes) {
   }
 }
 
+TEST(MeshLoader, AFileThatWasCutOffIsToldSo) {
+  const std::string file = testing::TempDir() + "cut.dxf";
+  const std::string face =
+      "0\nSECTION\n2\nENTITIES\n0\n3DFACE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n1\n21\n0\n31\n0\n"
+      "12\n1\n22\n1\n32\n0\n13\n0\n23\n1\n33\n0\n0\nENDSEC\n";
+  const auto isTold = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    const std::vector<std::string> warnings = loadMesh(file, {}).report.warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& w) { return w.find("cut off") != std::string::npos; });
+  };
+  EXPECT_TRUE(isTold(face));
+  EXPECT_FALSE(isTold(face + "0\nEOF\n"));
+}
+
 }  // namespace
 }  // namespace edge_mcl

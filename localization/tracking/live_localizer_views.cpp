@@ -1,0 +1,97 @@
+// How LiveLocalizer prepares images, masks and depth images for the filter.
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <utility>
+
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/localization/tracking/live_localizer.h"
+
+namespace edge_mcl {
+
+cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::CameraImage& view) {
+  // Only while the pose is trusted: at a wrong pose other edges under the mask may fit by chance.
+  const bool fits = view.mask.type() == CV_8UC1 && view.mask.size() == view.image.size() &&
+                    view.image.cols == view.camera.width && view.image.rows == view.camera.height;
+  if (!tracking_.lift_mask || state() != LocalizerState::kTracking || view.mask.empty() || !fits)
+    return view.mask;
+  try {
+    return mask_lifter_.lift(number, *map_, view.camera, view.image, view.mask,
+                             filter_.estimate().mean * view.T_base_camera);
+  } catch (const InputError&) {
+    return view.mask;  // the preparation of the image reports this fault
+  }
+}
+
+void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
+  // Images are counted in a row. An image that was not used, or did not confirm the pose, ends the
+  // row.
+  if (!used || state() != LocalizerState::kTracking) return mask_lifter_.forget();
+  std::vector<Pose> T_base_camera;
+  for (const LiveInput::CameraImage& view : input.images)
+    T_base_camera.push_back(view.T_base_camera);
+  mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
+}
+
+void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
+                                  std::vector<CameraView>* views, std::string* problem) {
+  const TrackingParameters& p = tracking_;
+  for (size_t number = 0; number < input.images.size(); ++number) {
+    const LiveInput::CameraImage& view = input.images[number];
+    if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
+      const double share =
+          static_cast<double>(cv::countNonZero(view.mask)) / static_cast<double>(view.mask.total());
+      result->masked_share = std::max(result->masked_share, share);
+      if (share > p.max_masked_share) {
+        *problem = view.origin + ": the mask leaves too little of the image";
+        continue;
+      }
+    }
+    std::shared_ptr<const PreparedImage> image;
+    try {
+      image = map_->prepare(view.camera, view.image, maskOf(number, view), view.origin);
+    } catch (const Error& e) {
+      *problem = e.what();
+      continue;
+    }
+    result->image_times.edges += image->times.edges;
+    result->image_times.field += image->times.field;
+    result->image_times.table += image->times.table;
+    if (static_cast<double>(image->pixels.list().size()) < image->pixel_scale * p.min_edge_pixels) {
+      *problem = view.origin + ": hardly any edges in the image (dark or covered?)";
+      continue;
+    }
+    result->images.push_back(image);
+    result->image_numbers.push_back(number);
+    views->push_back({image, view.T_base_camera, 1, nullptr});
+  }
+}
+
+std::vector<CameraView> LiveLocalizer::prepareDepths(const LiveInput& input,
+                                                     std::string* problem) const {
+  constexpr size_t kFewestPoints = 50;
+  std::vector<CameraView> views;
+  for (const LiveInput::Depth& depth : input.depths) {
+    try {
+      std::shared_ptr<const DepthPoints> points = map_->prepareDepth(depth.image);
+      if (points->count < kFewestPoints)
+        *problem = depth.image.origin + ": hardly any depth in range (covered?)";
+      else
+        views.push_back({nullptr, depth.T_base_camera, 1, std::move(points), depth.sensor});
+    } catch (const Error& e) {
+      *problem = e.what();
+    }
+  }
+  return views;
+}
+
+std::vector<CameraView> LiveLocalizer::prepare(const LiveInput& input, LiveResult* result,
+                                               std::string* problem) {
+  std::vector<CameraView> views;
+  if (map_->usesImages()) prepareImages(input, result, &views, problem);
+  if (map_->usesDepth())
+    for (CameraView& view : prepareDepths(input, problem)) views.push_back(std::move(view));
+  if (views.empty() && problem->empty()) *problem = "no image";
+  return views;
+}
+
+}  // namespace edge_mcl

@@ -1,0 +1,33 @@
+/// Asks from time to time whether a pose that looks like the tracked one fits the images better.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "edge_mcl/localization/filter/look_alikes.h"
+
+namespace edge_mcl {
+
+/// A pose that has moved on by one step of a stair or by one shelf has the right rotation, so poses
+/// that are turned do not tell it from the right one. Poses that are a repeat away do.
+class LookAlikeWatch {
+ public:
+  struct Result {
+    /// Natural logarithm of P(pose) / P(best look-alike) by this image, at most one that is far
+    /// enough away to be wrong. None: not asked, there is none, or it is better for the first time.
+    std::optional<double> log_odds;
+    /// The look-alike (T_map_base), when it has been better twice in a row.
+    std::optional<Pose> better;
+  };
+  /// @param time s @param pose T_map_base
+  Result look(const LocalizationMap& map, const std::vector<CameraView>& views, const Pose& pose,
+              double time);
+  /// Starts at a new pose.
+  void begin() { *this = {}; }
+
+ private:
+  std::optional<double> next_;  // time of the next question, s
+  int better_ = 0;              // times in a row that a look-alike was better
+};
+
+}  // namespace edge_mcl

@@ -1,0 +1,68 @@
+#include "edge_mcl/localization/tracking/look_alike_watch.h"
+
+#include <gtest/gtest.h>
+
+#include "support/scenes.h"
+
+namespace edge_mcl {
+namespace {
+
+constexpr float kRise = 0.18f, kRun = 0.27f;  // m, of a step
+
+MeshModel stairs() {
+  MeshSoup soup;
+  test::addBox(&soup, {0, 0, 0}, {7, 2.6f, 4}, 0, true);          // the room
+  test::addBox(&soup, {1.4f, 1.7f, 0}, {2.6f, 2.5f, 1.1f});       // a cupboard
+  test::addBox(&soup, {3.4f, 2.2f, 1.5f}, {4.6f, 2.599f, 2.3f});  // another on the wall
+  for (int i = 0; i < 12; ++i)
+    test::addBox(&soup, {2 + kRun * i, 0, 0}, {2 + kRun * (i + 1), 1.6f, kRise * (i + 1)});
+  return weldMesh(std::move(soup), 1e-6, "stairs");
+}
+
+class LookAlikeWatchTest : public testing::Test {
+ protected:
+  LookAlikeWatchTest() {
+    const CameraModel camera = test::pinhole(320, 240, 220);
+    const auto image = map_.prepare(camera, test::render(map_.mesh(), camera, true_), {}, "stairs");
+    views_ = {{image, Pose::Identity(), 1, nullptr}};
+    wrong_.translation() += Eigen::Vector3d(kRun, 0, kRise);
+  }
+
+  const LocalizationMap map_{stairs(), Parameters()};
+  const Pose true_ = test::lookAlong({0.6, 0.8, 1.5}, {1, 0.05, -0.15});
+  Pose wrong_ = true_;
+  std::vector<CameraView> views_;
+  LookAlikeWatch watch_;
+};
+
+TEST_F(LookAlikeWatchTest, ABetterPoseIsTakenWhenItIsBetterTwice) {
+  const LookAlikeWatch::Result first = watch_.look(map_, views_, wrong_, 1.0);
+  EXPECT_FALSE(first.log_odds.has_value());
+  EXPECT_FALSE(first.better.has_value());
+  const LookAlikeWatch::Result second = watch_.look(map_, views_, wrong_, 1.03);
+  ASSERT_TRUE(second.log_odds.has_value());
+  EXPECT_LT(*second.log_odds, -4);
+  ASSERT_TRUE(second.better.has_value());
+  EXPECT_LT((second.better->translation() - true_.translation()).norm(), 0.03);
+}
+
+TEST_F(LookAlikeWatchTest, ANewPoseBeginsAgain) {
+  watch_.look(map_, views_, wrong_, 1.0);
+  watch_.begin();
+  EXPECT_FALSE(watch_.look(map_, views_, wrong_, 1.03).better.has_value());
+}
+
+TEST_F(LookAlikeWatchTest, ATruePoseStays) {
+  for (int i = 0; i < 40; ++i)
+    EXPECT_FALSE(watch_.look(map_, views_, true_, 0.03 * i).better.has_value());
+}
+
+/// A clock that jumps back must not silence the watch.
+TEST_F(LookAlikeWatchTest, AfterAJumpOfTheClockItAsksAgain) {
+  watch_.look(map_, views_, true_, 1000);
+  watch_.look(map_, views_, wrong_, 1);
+  EXPECT_TRUE(watch_.look(map_, views_, wrong_, 1.03).log_odds.has_value());
+}
+
+}  // namespace
+}  // namespace edge_mcl
