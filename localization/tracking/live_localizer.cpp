@@ -260,6 +260,10 @@ std::string LiveLocalizer::useImages(std::vector<CameraView> views, LiveResult* 
   if (!r.has_information) return "nothing of the model in view";
   result->match_ratio =
       r.used_samples > 0 ? static_cast<double>(r.matched_samples) / r.used_samples : 0;
+  // An image that does not confirm the pose needs no second opinion, and a lost pose is the
+  // search's.
+  const auto odds = oddsOf(r);
+  if (searching_ || !odds || odds->log_odds <= 0) return problem;
   const LookAlikeWatch::Result watched =
       look_alikes_.look(*map_, views, filter_.estimate().mean, *last_time_);
   result->look_alike_odds = watched.log_odds;
