@@ -34,9 +34,9 @@ std::vector<AuditRow> audit(const MeshModel& real, bool with_depth) {
   LineAudit audit(map, sights);
   const CameraModel camera = test::pinhole(320, 240, 220);
   for (int i = 0; i < 12; ++i) {
-    const Pose pose =
-        test::lookAlong({0.6 + 0.4 * (i % 3), 1.2 + 0.5 * (i / 3), 1.3 + 0.1 * (i % 2)},
-                        {1, 0.9 - 0.3 * (i / 3), -0.2});
+    const int column = i % 3, row = i / 3;
+    const Pose pose = test::lookAlong({0.6 + 0.4 * column, 1.2 + 0.5 * row, 1.3 + 0.1 * (i % 2)},
+                                      {1, 0.9 - 0.3 * row, -0.2});
     const auto image = map.prepare(camera, test::render(real, camera, pose, 1), {}, "test");
     const cv::Mat depth = with_depth ? test::renderDepth(real, camera, pose) : cv::Mat();
     audit.add(sights.find(*image, depth, pose), pose.translation());
