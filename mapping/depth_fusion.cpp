@@ -43,8 +43,9 @@ void DepthFusion::add(const MappingImage& image) {
       *rgbd.depth_.PointerAt<float>(x, y) =
           std::isfinite(z) && static_cast<double>(z) < impl_->options.max_depth ? z : 0;
     }
-  // Open3D starts all threads of OpenMP for each block of 16 x 16 x 16 voxels. Waiting for one
-  // another takes seven times as long as the work, and more beside other programs.
+  // Open3D starts all threads of OpenMP for each block of 16 x 16 x 16 voxels. They spin while they
+  // wait for one another. On an idle machine this gains nothing, and beside other programs the
+  // threads wait for most of the time.
   omp_set_num_threads(1);
   impl_->volume.Integrate(rgbd, impl_->intrinsic, image.T_map_camera.inverse().matrix());
 }
