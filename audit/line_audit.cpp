@@ -184,10 +184,12 @@ std::vector<AuditRow> LineAudit::judge() const {
     row.confidence = probabilityOf(odds);
     if (row.shape >= 0 && probabilityOf(shapes[row.shape]) < kGone)
       row.confidence = std::min(row.confidence, probabilityOf(shapes[row.shape]));
-    row.verdict = row.confidence < kGone         ? "gone"
-                  : e.viewpoints < kLeastPlaces  ? "unseen"
-                  : row.confidence >= kConfirmed ? "confirmed"
-                                                 : "doubtful";
+    // Where images seldom show lines that exist, a line that they never show keeps its confidence.
+    const bool is_shown = e.of_images + e.of_depth > 0;
+    row.verdict = row.confidence < kGone                     ? "gone"
+                  : e.viewpoints < kLeastPlaces              ? "unseen"
+                  : row.confidence >= kConfirmed && is_shown ? "confirmed"
+                                                             : "doubtful";
     // Neighbouring pieces with the same verdict are one row.
     const bool goes_on = i > 0 && !rows.empty() && rows.back().part == AuditRow::Part::kLine &&
                          last == segment.line && rows.back().verdict == row.verdict &&
@@ -205,6 +207,19 @@ std::vector<AuditRow> LineAudit::judge() const {
     joined.confidence = std::min(joined.confidence, row.confidence);
   }
   return rows;
+}
+
+bool fitsImages(const std::vector<AuditRow>& rows) {
+  constexpr double kLeastShare = 0.5;
+  constexpr double kEnough = 1;  // m; less was seen by chance
+  double confirmed = 0, seen = 0;
+  for (const AuditRow& row : rows) {
+    if (row.part != AuditRow::Part::kLine || row.verdict == "unseen") continue;
+    const double length = (row.end - row.start).norm();
+    seen += length;
+    if (row.verdict == "confirmed") confirmed += length;
+  }
+  return seen < kEnough || confirmed >= kLeastShare * seen;
 }
 
 }  // namespace edge_mcl

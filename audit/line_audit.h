@@ -49,4 +49,8 @@ class LineAudit {
   std::vector<std::vector<Viewpoint>> seen_;  // of every segment
 };
 
+/// Whether the images confirm at least half of the length that they saw well. Otherwise the poses
+/// are wrong, or the model is that of another building, and the rows would condemn it.
+bool fitsImages(const std::vector<AuditRow>& rows);
+
 }  // namespace edge_mcl

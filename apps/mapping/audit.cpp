@@ -154,25 +154,6 @@ void print(const nlohmann::json& summary) {
                 object["lines"].get<size_t>());
 }
 
-/// @throws InputError when most lines that were seen well are not confirmed. Then the poses are
-/// wrong, or the model is that of another building, and the table would condemn it.
-void requireAgreement(const AuditOptions& o, const std::vector<AuditRow>& rows) {
-  constexpr double kLeastShare = 0.5, kEnough = 1;  // m
-  double confirmed = 0, seen = 0;
-  for (const auto& [verdict, length] : lengthsOf(rows)) {
-    if (verdict == "confirmed") confirmed = length;
-    if (verdict == "confirmed" || verdict == "doubtful" || verdict == "gone") seen += length;
-  }
-  if (seen < kEnough || confirmed >= kLeastShare * seen) return;
-  char share[32];
-  std::snprintf(share, sizeof share, "%.0f %%", 100 * confirmed / seen);
-  throw InputError(o.recording + ": the images confirm only " + share +
-                   " of the lines that they saw well, so " +
-                   (o.poses.empty() ? "the model is that of another building"
-                                    : "the poses of " + o.poses + " do not fit the model") +
-                   "; no table is written");
-}
-
 int run(const AuditOptions& o) {
   for (const std::string& file : {o.out, o.picture, o.obj}) checkOutput(file);
   RecordingOptions options = o;
@@ -189,7 +170,13 @@ int run(const AuditOptions& o) {
                                           "the model"
                                         : ": no image has a pose in " + o.poses));
   const std::vector<AuditRow> rows = auditor.rows();
-  requireAgreement(o, rows);
+  if (!fitsImages(rows))
+    throw InputError(o.recording +
+                     ": the images confirm less than half of the lines that they saw "
+                     "well, so " +
+                     (o.poses.empty() ? "the model is that of another building"
+                                      : "the poses of " + o.poses + " do not fit the model") +
+                     "; no table is written");
   writeAuditTable(o.out, rows);
   if (!o.obj.empty()) writeAuditObj(o.obj, rows);
   if (!o.picture.empty()) writePicture(o.picture, drawAudit(rows, {1000, 800}));

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <locale>
+#include <set>
 #include <sstream>
 
 #include "edge_mcl/core/base/error.h"
@@ -97,20 +98,22 @@ void leaveOutDoubted(const std::vector<AuditRow>& rows, double least_confidence,
   const MeshShapes shapes = findShapes(*mesh);
   std::vector<bool> gone(shapes.count(), false);
   size_t unknown = 0;
+  std::set<int> removed;  // numbers of shapes; their lines go with them
   for (const AuditRow& row : rows) {
-    if (row.part == AuditRow::Part::kNew || row.confidence >= least_confidence) continue;
+    if (row.part != AuditRow::Part::kShape || row.confidence >= least_confidence) continue;
     const Eigen::Vector3d start = row.start - mesh->origin, end = row.end - mesh->origin;
-    if (row.part == AuditRow::Part::kLine) {
-      mesh->left_out.push_back({start, end});
-      continue;
-    }
     bool found = false;
     for (size_t i = 0; i < shapes.count(); ++i)
       if ((shapes.box[i].min().cast<double>() - start).cwiseAbs().maxCoeff() < kSame &&
           (shapes.box[i].max().cast<double>() - end).cwiseAbs().maxCoeff() < kSame)
         gone[i] = found = true;
     unknown += found ? 0 : 1;
+    if (found) removed.insert(row.shape);
   }
+  for (const AuditRow& row : rows)
+    if (row.part == AuditRow::Part::kLine && row.confidence < least_confidence &&
+        removed.count(row.shape) == 0)
+      mesh->left_out.push_back({row.start - mesh->origin, row.end - mesh->origin});
   if (unknown > 0)
     mesh->report.warnings.push_back(
         std::to_string(unknown) +

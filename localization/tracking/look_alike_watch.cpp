@@ -6,11 +6,11 @@ namespace edge_mcl {
 
 namespace {
 
-/// The question costs about half an update. It is asked this often while no look-alike is near, and
-/// for every image while one is.
+/// The question takes ten refinements. It is asked this often while no look-alike is near, and for
+/// every image while one is.
 constexpr double kInterval = 0.4;  // s
-/// Nats. In the flights of docs/decisions/tracking-look-alikes.md a look-alike of a right pose was
-/// worse by 60 or more, and the true pose better than a look-alike by -8 to 124.
+/// Nats. In the flight of docs/decisions/tracking-look-alikes.md look-alikes of right poses had an
+/// advantage of at most 4, and those of wrong poses up to 124.
 constexpr double kNear = -30, kBetter = 8;
 /// Samples of one line have correlated errors, so the odds count half.
 constexpr double kShare = 0.5;

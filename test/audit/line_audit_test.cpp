@@ -28,7 +28,9 @@ MeshModel roomsWithoutCupboard() {
 }
 
 /// Audits the furnished rooms with images of `real`, from twelve places of the first room.
-std::vector<AuditRow> audit(const MeshModel& real, bool with_depth) {
+/// @param error of the poses that the audit is told, m
+std::vector<AuditRow> audit(const MeshModel& real, bool with_depth,
+                            const Eigen::Vector3d& error = Eigen::Vector3d::Zero()) {
   const LocalizationMap map(test::furnishedRooms(), Parameters());
   const LineSights sights(map);
   LineAudit audit(map, sights);
@@ -39,7 +41,9 @@ std::vector<AuditRow> audit(const MeshModel& real, bool with_depth) {
                                       {1, 0.9 - 0.3 * row, -0.2});
     const auto image = map.prepare(camera, test::render(real, camera, pose, 1), {}, "test");
     const cv::Mat depth = with_depth ? test::renderDepth(real, camera, pose) : cv::Mat();
-    audit.add(sights.find(*image, depth, pose), pose.translation());
+    Pose told = pose;
+    told.translation() += error;
+    audit.add(sights.find(*image, depth, told), told.translation());
   }
   return audit.judge();
 }
@@ -85,7 +89,9 @@ TEST(LineAudit, WithoutImagesEverythingIsUnseen) {
   const LineSights sights(map);
   const LineAudit audit(map, sights);
   EXPECT_EQ(audit.seenPieces(), 0u);
-  for (const AuditRow& row : audit.judge()) EXPECT_EQ(row.verdict, "unseen");
+  const std::vector<AuditRow> rows = audit.judge();
+  EXPECT_FALSE(rows.empty());
+  for (const AuditRow& row : rows) EXPECT_EQ(row.verdict, "unseen");
 }
 
 /// One place is not enough to judge: an image may be dark or blurred.
@@ -98,7 +104,9 @@ TEST(LineAudit, ManyImagesFromOnePlaceAreNoEvidence) {
   const cv::Mat black(camera.height, camera.width, CV_8U, cv::Scalar(0));
   const auto image = map.prepare(camera, black, {}, "test");
   for (int i = 0; i < 20; ++i) audit.add(sights.find(*image, {}, pose), pose.translation());
-  for (const AuditRow& row : audit.judge()) EXPECT_EQ(row.verdict, "unseen");
+  const std::vector<AuditRow> rows = audit.judge();
+  EXPECT_FALSE(rows.empty());
+  for (const AuditRow& row : rows) EXPECT_EQ(row.verdict, "unseen");
 }
 
 /// With depth, something that stands before the model hides it. It does not contradict it.
@@ -112,6 +120,15 @@ TEST(LineAudit, WhatAnUnmappedThingHidesIsNotAccused) {
   const std::vector<AuditRow> rows = audit(weldMesh(std::move(soup), 1e-6, "test"), true);
   EXPECT_EQ(lengthOf(rows, "gone", true) + lengthOf(rows, "gone", false), 0);
 }
+
+/// Poses that are 15 cm off show hardly a line where the model has it. The model is not to blame.
+TEST(LineAudit, WrongPosesDoNotFitTheModel) {
+  const MeshModel rooms = test::furnishedRooms();
+  EXPECT_TRUE(fitsImages(audit(rooms, false)));
+  EXPECT_FALSE(fitsImages(audit(rooms, false, {0.15, 0.15, 0.1})));
+}
+
+TEST(LineAudit, ABuildingThatWasNotSeenIsNotContradicted) { EXPECT_TRUE(fitsImages({})); }
 
 }  // namespace
 }  // namespace edge_mcl

@@ -76,7 +76,11 @@ TEST_F(AuditTable, BadTablesAreRefusedWithTheirLine) {
 /// The cupboard is a box of 12 triangles and 12 edges.
 TEST_F(AuditTable, ADoubtedShapeIsLeftOutOfTheMap) {
   const std::string file = path("audit.csv");
-  writeAuditTable(file, {rowOf(AuditRow::Part::kShape, kCupboardLow, kCupboardHigh, 0.2)});
+  // An edge of the cupboard goes with its shape. It is no line of the table that the model lacks.
+  AuditRow shape = rowOf(AuditRow::Part::kShape, kCupboardLow, kCupboardHigh, 0.2);
+  AuditRow edge = rowOf(AuditRow::Part::kLine, kCupboardLow, {2.9, 4.2, 1.9}, 0.2);
+  shape.shape = edge.shape = 6;
+  writeAuditTable(file, {edge, shape});
   Parameters params;
   const LocalizationMap whole(test::furnishedRooms(), params);
   params.map.confidence = file;

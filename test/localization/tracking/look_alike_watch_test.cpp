@@ -2,22 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "support/scenes.h"
+#include "support/stairs.h"
 
 namespace edge_mcl {
 namespace {
-
-constexpr float kRise = 0.18f, kRun = 0.27f;  // m, of a step
-
-MeshModel stairs() {
-  MeshSoup soup;
-  test::addBox(&soup, {0, 0, 0}, {7, 2.6f, 4}, 0, true);          // the room
-  test::addBox(&soup, {1.4f, 1.7f, 0}, {2.6f, 2.5f, 1.1f});       // a cupboard
-  test::addBox(&soup, {3.4f, 2.2f, 1.5f}, {4.6f, 2.599f, 2.3f});  // another on the wall
-  for (int i = 0; i < 12; ++i)
-    test::addBox(&soup, {2 + kRun * i, 0, 0}, {2 + kRun * (i + 1), 1.6f, kRise * (i + 1)});
-  return weldMesh(std::move(soup), 1e-6, "stairs");
-}
 
 class LookAlikeWatchTest : public testing::Test {
  protected:
@@ -25,11 +13,11 @@ class LookAlikeWatchTest : public testing::Test {
     const CameraModel camera = test::pinhole(320, 240, 220);
     const auto image = map_.prepare(camera, test::render(map_.mesh(), camera, true_), {}, "stairs");
     views_ = {{image, Pose::Identity(), 1, nullptr}};
-    wrong_.translation() += Eigen::Vector3d(kRun, 0, kRise);
+    wrong_.translation() += test::oneStep();
   }
 
-  const LocalizationMap map_{stairs(), Parameters()};
-  const Pose true_ = test::lookAlong({0.6, 0.8, 1.5}, {1, 0.05, -0.15});
+  const LocalizationMap map_{test::stairs(), Parameters()};
+  const Pose true_ = test::beforeStairs();
   Pose wrong_ = true_;
   std::vector<CameraView> views_;
   LookAlikeWatch watch_;
