@@ -55,6 +55,7 @@ std::vector<std::string> findings(const LocalizationMap& map) {
 
 int run(const InspectOptions& o) {
   const Parameters params = o.parameters.load();
+  checkPicture(o.picture);
   const LocalizationMap map(o.model, params);
   const MeshModel& mesh = map.mesh();
   const EdgeModel& edges = map.edges();

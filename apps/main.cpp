@@ -64,7 +64,11 @@ int main(int argc, char** argv) {
                                                   static_cast<size_t>(threads));
   cv::setNumThreads(threads > 0 ? threads : -1);
   try {
-    return action();
+    const int status = action();
+    // What a full disk or a closed pipe has swallowed must not look like success.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw InputError("the result cannot be written to the standard output");
+    return status;
   } catch (const ParameterError& e) {
     std::fprintf(stderr, "edge-mcl: %s\n", e.what());
     return kExitUsage;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/image/picture_file.h"
 
 namespace edge_mcl {
 
@@ -59,6 +60,12 @@ void checkOutput(const std::string& file) {
   if ((exists && access(file.c_str(), W_OK) != 0) ||
       (!isDeviceOrPipe(file) && access(inside_folder.c_str(), W_OK) != 0))
     throw InputError(file + ": cannot be written: " + std::strerror(errno));
+}
+
+void checkPicture(const std::string& file) {
+  if (file.empty()) return;
+  requirePictureName(file);
+  checkOutput(file);
 }
 
 }  // namespace edge_mcl

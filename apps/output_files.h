@@ -19,5 +19,7 @@ void makeDirectory(const std::string& directory);
 /// Checks that a file can be written. To be called before long work. An empty name means: no file.
 /// @throws InputError when the file cannot be written
 void checkOutput(const std::string& file);
+/// The same for a picture, whose format must be one that can be written.
+void checkPicture(const std::string& file);
 
 }  // namespace edge_mcl

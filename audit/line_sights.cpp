@@ -1,7 +1,5 @@
 #include "edge_mcl/audit/line_sights.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -157,25 +155,12 @@ void LineSights::addDepth(const Sample& sample, const PreparedImage& image, cons
     if (!image.frame.camera.project(p, &pixel)) continue;
     const auto seen = static_cast<double>(depthAt(depth, pixel));
     if (!(seen > 0)) continue;
-    RTCRayHit ray{};
     const Eigen::Vector3f direction = inside.cast<float>() - eye;
-    ray.ray.org_x = eye.x();
-    ray.ray.org_y = eye.y();
-    ray.ray.org_z = eye.z();
-    ray.ray.dir_x = direction.x();
-    ray.ray.dir_y = direction.y();
-    ray.ray.dir_z = direction.z();
-    ray.ray.tfar = 10;
-    ray.ray.mask = ~0u;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_->get(), &context, &ray);
+    constexpr float kBeyond = 10;  // the surface may stand behind the place
+    const std::optional<RayHit> hit = firstHit(scene_->get(), eye, direction, 0, kBeyond);
     // Where another shape is in front, the depth tells nothing about this one.
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ||
-        static_cast<int>(shapes_.of_triangle[ray.hit.primID]) != sample.shape)
-      continue;
-    const double expected = p.z() * static_cast<double>(ray.ray.tfar);
+    if (!hit || static_cast<int>(shapes_.of_triangle[hit->triangle]) != sample.shape) continue;
+    const double expected = p.z() * static_cast<double>(hit->along);
     const double tolerance = depthTolerance(expected);
     if (seen > expected + tolerance)
       sight->behind += 1;

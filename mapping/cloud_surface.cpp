@@ -14,8 +14,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/import/map_frame.h"
 
 namespace edge_mcl {
 
@@ -50,19 +53,44 @@ void lookInwards(open3d::geometry::PointCloud* cloud) {
   for (Eigen::Vector3d& n : cloud->normals_) n = -n;
 }
 
-}  // namespace
-
-MeshSoup surfaceOfCloud(const std::string& file, double spacing) {
-  open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
+/// Points of a file, in its coordinates.
+open3d::geometry::PointCloud readPoints(const std::string& file) {
   open3d::geometry::PointCloud points;
+  const std::string way =
+      "; a cloud is a PLY or PCD file, or lines of three numbers (XYZ) or of a PTS file";
   bool is_read = false;
   try {
     is_read = open3d::io::ReadPointCloud(file, points);
   } catch (const std::exception& e) {
     throw InputError(file + ": not readable as a point cloud: " + e.what());
   }
-  if (!is_read) throw InputError(file + ": not readable as a point cloud");
+  if (!is_read) throw InputError(file + ": not readable as a point cloud" + way);
   points.RemoveNonFinitePoints();
+  if (points.points_.empty()) throw InputError(file + ": no point was found in the file" + way);
+  return points;
+}
+
+/// Turns the points to the map frame. @return the origin that was subtracted.
+Eigen::Vector3d moveToMap(const MapParameters& params, const std::string& file,
+                          std::vector<Eigen::Vector3d>* points) {
+  const double scale = params.scale > 0 ? params.scale : 1;
+  const Eigen::Affine3d to_map = mapTransform(params, scale);
+  for (Eigen::Vector3d& p : *points) p = to_map * p;
+  const Eigen::Vector3d origin = mapOrigin(params, *points);
+  Eigen::AlignedBox3d box;
+  for (Eigen::Vector3d& p : *points) box.extend(p -= origin);
+  const std::string doubt = params.scale > 0 ? "" : sizeDoubt(box.diagonal().norm(), scale);
+  if (!doubt.empty()) throw InputError(file + ": " + doubt + ", or to 1 when it is that large");
+  return origin;
+}
+
+}  // namespace
+
+CloudSurface surfaceOfCloud(const std::string& file, const MapParameters& params, double spacing) {
+  open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
+  open3d::geometry::PointCloud points = readPoints(file);
+  CloudSurface surface;
+  surface.origin = moveToMap(params, file, &points.points_);
   const auto cloud = points.VoxelDownSample(spacing);
   constexpr size_t kFewest = 1000;
   if (cloud->points_.size() < kFewest)
@@ -86,7 +114,7 @@ MeshSoup surfaceOfCloud(const std::string& file, double spacing) {
     is_near[i] = tree.SearchKNN(mesh->vertices_[i], 1, index, squared) > 0 &&
                  squared.front() < 9 * spacing * spacing;
   }
-  MeshSoup soup;
+  MeshSoup& soup = surface.soup;
   for (const Eigen::Vector3d& v : mesh->vertices_) soup.vertices.push_back(v.cast<float>());
   for (const Eigen::Vector3i& t : mesh->triangles_) {
     if (!is_near[t.x()] || !is_near[t.y()] || !is_near[t.z()]) continue;
@@ -94,12 +122,13 @@ MeshSoup surfaceOfCloud(const std::string& file, double spacing) {
         {static_cast<uint32_t>(t.x()), static_cast<uint32_t>(t.y()), static_cast<uint32_t>(t.z())});
     soup.triangle_material.push_back(0);
   }
-  return soup;
+  return surface;
 }
 
 #else
 
-MeshSoup surfaceOfCloud(const std::string& /*file*/, double /*spacing*/) {
+CloudSurface surfaceOfCloud(const std::string& /*file*/, const MapParameters& /*params*/,
+                            double /*spacing*/) {
   throw Error("this build has no Open3D, which puts a surface through a point cloud");
 }
 

@@ -1,8 +1,5 @@
 #include "edge_mcl/mapping/scan_views.h"
 
-#include <embree3/rtcore.h>
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -107,28 +104,15 @@ ScanViews::ScanViews(const MeshModel& mesh)
 
 ScanViews::Surface ScanViews::surfaceAt(const Eigen::Vector3f& from,
                                         const Eigen::Vector3f& direction) const {
-  RTCRayHit ray{};
-  ray.ray.org_x = from.x();
-  ray.ray.org_y = from.y();
-  ray.ray.org_z = from.z();
-  ray.ray.dir_x = direction.x();
-  ray.ray.dir_y = direction.y();
-  ray.ray.dir_z = direction.z();
-  ray.ray.tfar = INFINITY;
-  ray.ray.mask = ~0u;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene_.get(), &context, &ray);
-  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  const auto& t = mesh_.triangles[ray.hit.primID];
+  const std::optional<RayHit> hit = firstHit(scene_.get(), from, direction, 0, INFINITY);
+  if (!hit) return {};
+  const auto& t = mesh_.triangles[hit->triangle];
   const Eigen::Vector3f a = mesh_.vertices[t[0]];
   const Eigen::Vector3f face = (mesh_.vertices[t[1]] - a).cross(mesh_.vertices[t[2]] - a);
   if (face.dot(direction) > 0) return {};
-  const Eigen::Vector3f normal = (1 - ray.hit.u - ray.hit.v) * vertex_normals_[t[0]] +
-                                 ray.hit.u * vertex_normals_[t[1]] +
-                                 ray.hit.v * vertex_normals_[t[2]];
-  return {ray.ray.tfar, normal.normalized()};
+  const Eigen::Vector3f normal = (1 - hit->u - hit->v) * vertex_normals_[t[0]] +
+                                 hit->u * vertex_normals_[t[1]] + hit->v * vertex_normals_[t[2]];
+  return {hit->along, normal.normalized()};
 }
 
 double ScanViews::frontShare(const Eigen::Vector3d& place) const {

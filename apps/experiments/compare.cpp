@@ -13,6 +13,7 @@
 
 #include "apps/common_options.h"
 #include "apps/experiments/compare_runs.h"
+#include "apps/number_range.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
 #include "edge_mcl/comparison/compared_methods.h"
@@ -347,9 +348,9 @@ void addCompare(CLI::App* app, Action* action) {
       ->check(CLI::Range(0, 1000000));
   c->add_option("--budget-ms", o->budget_ms,
                 "time of an update in the second table, ms; default 30")
-      ->check(CLI::PositiveNumber);
+      ->check(numberFrom(0.1, 10000));
   c->add_option("--rate", o->rate, "images per second of the simulated flights; default 10")
-      ->check(CLI::PositiveNumber);
+      ->check(numberFrom(0.01, 1000));
   c->add_option("--core", o->core,
                 "number of the processor core for all runs; default: the last core");
   c->add_flag("--bench", o->bench,

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common_options.h"
+#include "apps/number_range.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
 #include "edge_mcl/core/base/angles.h"
@@ -295,27 +296,27 @@ void addTrials(CLI::App* app, Action* action) {
        "number of images of a flight; 0 (default): 20 for global, 10 for offset, 80 for track, "
        "until 5 s after the event for kidnap and blackout")
       ->check(CLI::NonNegativeNumber);
-  c->add_option("--rate", o->rate, "images per second; default 10")->check(CLI::PositiveNumber);
+  c->add_option("--rate", o->rate, "images per second; default 10")->check(numberFrom(0.01, 1000));
   c->add_option("--event", o->event,
                 "number of the image at which the fault begins (kidnap, blackout); default 30")
       ->check(CLI::PositiveNumber);
   c->add_option("--first-seed", o->first_seed,
                 "seed of the first flight; each later flight has the next seed; default 1");
   c->add_option("--offset", o->offset, "largest position error of the start, m (offset); default 1")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0, 1000));
   c->add_option("--angle", o->angle,
                 "largest rotation error of the start, degrees (offset); default 15")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0, 180));
   c->add_option("--blackout", o->blackout, "duration of the darkness, s (blackout); default 10")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0, 1000));
   c->add_option("--drift", o->drift,
                 "distance that odometry drifts in the darkness, m (blackout); default 1")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0, 1000));
   c->add_flag("--no-gravity", o->no_gravity,
               "do not give roll and pitch to the localizer; default: they are given (--imu-sigma)");
   c->add_option("--imu-sigma", o->imu_sigma_deg,
                 "standard deviation of the given roll and pitch, degrees; default 1")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0, 90));
   c->add_flag("--no-mask", o->no_mask,
               "do not give masks of the movable objects; default: exact masks are given");
   c->add_flag("--depth", o->depth,

@@ -155,7 +155,8 @@ void print(const nlohmann::json& summary) {
 }
 
 int run(const AuditOptions& o) {
-  for (const std::string& file : {o.out, o.picture, o.obj}) checkOutput(file);
+  for (const std::string& file : {o.out, o.obj}) checkOutput(file);
+  checkPicture(o.picture);
   RecordingOptions options = o;
   if (!o.poses.empty()) options.global = true;  // needs no initial pose
   OpenedRecording opened = openRecording(options, true);

@@ -10,11 +10,13 @@
 
 #include "apps/common_options.h"
 #include "apps/mapping/mapping_source.h"
+#include "apps/number_range.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/drawing/overlay.h"
 #include "edge_mcl/core/image/picture_file.h"
+#include "edge_mcl/core/import/map_frame.h"
 #include "edge_mcl/core/import/mesh_loader.h"
 #include "edge_mcl/mapping/cloud_surface.h"
 #include "edge_mcl/mapping/depth_fusion.h"
@@ -124,12 +126,29 @@ void addRecording(const MapOptions& o, const std::string& source, MapParts* part
   std::printf("%s: %zu images, %zu lines\n", source.c_str(), recording.used(), lines.size());
 }
 
+/// The surface of a scan in the map frame.
+MeshModel scanOf(const std::string& source, const MapParameters& params) {
+  constexpr double kCloudSpacing = 0.02;  // m, finer than the noise of most scanners at 5 m
+  if (!isPointCloud(source)) {
+    MeshModel mesh = loadMesh(source, params);
+    for (const std::string& warning : mesh.report.warnings)
+      std::fprintf(stderr, "%s: note: %s\n", source.c_str(), warning.c_str());
+    const std::string doubt = params.scale > 0 ? "" : sizeDoubt(mesh.diagonal(), 1);
+    // Looking at a room of kilometres from everywhere takes hours.
+    if (!doubt.empty() && mesh.report.unit.empty())
+      throw InputError(source + ": " + doubt + ", or to 1 when it is that large");
+    return mesh;
+  }
+  std::fprintf(stderr, "%s: a surface is put through the points\n", source.c_str());
+  CloudSurface surface = surfaceOfCloud(source, params, kCloudSpacing);
+  MeshModel mesh = weldMesh(std::move(surface.soup), 1e-6, source);
+  mesh.origin = surface.origin;
+  return mesh;
+}
+
 void addScan(const MapOptions& o, const std::string& source, const MapParameters& params,
              MapParts* parts) {
-  constexpr double kCloudSpacing = 0.02;  // m, finer than the noise of most scanners at 5 m
-  const MeshModel mesh = isPointCloud(source)
-                             ? weldMesh(surfaceOfCloud(source, kCloudSpacing), 1e-6, source)
-                             : loadMesh(source, params);
+  const MeshModel mesh = scanOf(source, params);
   if (mesh.triangles.empty())
     throw InputError(source +
                      ": the scan has no faces; a point cloud is a PLY, PCD, PTS or XYZ file");
@@ -176,7 +195,7 @@ void addScan(const MapOptions& o, const std::string& source, const MapParameters
 
 int run(const MapOptions& o) {
   checkOutput(o.out);
-  checkOutput(o.picture);
+  checkPicture(o.picture);
   const Parameters params = o.parameters.load();
   MapParts parts;
   for (const std::string& source : o.sources) {
@@ -219,10 +238,10 @@ void addMap(CLI::App* app, Action* action) {
   c->add_option("--camera", o->camera, "YAML file with the camera of a rawlog, as for localize");
   c->add_option("--min-views", o->min_views, "images that must agree on a line; default: 4");
   c->add_option("--face-size", o->face_size, "size of the hiding faces, m; default: 0.05")
-      ->check(CLI::PositiveNumber);
+      ->check(numberFrom(0.005, 5));
   c->add_option("--spacing", o->spacing,
                 "distance of the places from which a scan is looked at, m; default: 0.8")
-      ->check(CLI::PositiveNumber);
+      ->check(numberFrom(0.1, 10));
   c->add_flag("--no-faces", o->no_faces, "write lines only");
   o->parameters.addTo(c);
   c->callback([o, action] { *action = [o] { return run(*o); }; });

@@ -66,6 +66,8 @@ cv::Mat registeredDepth(const DepthImage& depth, const Pose& T_camera_depth,
 MappingRecording::MappingRecording(const RecordingOptions& options, const std::string& poses_file)
     : input_(openInput(options)),
       poses_(poses_file.empty() ? input_->truth() : readTrajectory(poses_file)) {
+  if (poses_.empty() && !poses_file.empty())
+    throw InputError(poses_file + ": there is no pose in the file");
   if (poses_.empty())
     throw InputError(options.recording +
                      ": the recording has no poses; give a trajectory with --poses, e.g. one that "

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "apps/common_options.h"
+#include "apps/number_range.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
 #include "edge_mcl/core/base/error.h"
@@ -299,11 +300,11 @@ void addDetect(CLI::App* app, Action* action) {
                     "runs of the network per second, in a sequence; 0 = one run for every image; "
                     "objects are tracked between the runs. Default: the network runs on every "
                     "image and nothing is tracked")
-          ->check(CLI::Range(0.0, 1e4));
+          ->check(numberFrom(0, 1e4));
   c->add_option(
        "--delay", o->delay,
        "time from an image to the use of the network's result, s; only with --rate; default 0")
-      ->check(CLI::Range(0.0, 60.0))
+      ->check(numberFrom(0, 60))
       ->needs(rate);
   c->add_option(
       "--set", o->assignments,

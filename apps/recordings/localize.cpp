@@ -76,7 +76,8 @@ void localizeAll(const LocalizeOptions& o, const OpenedRecording& opened,
 }
 
 int run(const LocalizeOptions& o) {
-  for (const std::string& file : {o.out, o.stats, o.plot}) checkOutput(file);
+  for (const std::string& file : {o.out, o.stats}) checkOutput(file);
+  checkPicture(o.plot);
   OpenedRecording opened = openRecording(o, false);
   RecordedLocalizer localizer(opened.map, std::move(opened.input), opened.start);
   LocalizeReport report;

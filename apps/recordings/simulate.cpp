@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "apps/common_options.h"
+#include "apps/number_range.h"
 #include "apps/progress_bar.h"
 #include "apps/recordings/recorder_choice.h"
 #include "edge_mcl/core/base/error.h"
@@ -91,7 +92,7 @@ void addSimulate(CLI::App* app, Action* action) {
   c->add_option("--seed", o->seed,
                 "seed of all noise and of a random path; default: the seed of the scenario");
   c->add_option("--rate", o->rate, "images per second; default: the rate of the scenario")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(numberFrom(0.1, 1000));
   c->add_option("--images", o->images,
                 "number of images after which the flight stops; 0 (default): the whole path");
   c->add_flag("--no-objects", o->no_objects,

@@ -48,12 +48,13 @@ struct MapParameters {
     v("mirror", mirror, "", oneOf("none|x|y|z"), "axis of the file whose sign is changed");
     v("origin", origin, "m", anyValue(),
       "position of the map frame in the file's coordinates: X,Y,Z, or auto: 0,0,0 unless the model "
-      "is more than 5 km from there, then its lowest corner rounded to 100 m");
+      "is more than 5 km from there, then its middle rounded to 100 m");
     v("absolute_poses", absolute_poses, "", anyValue(),
       "poses of recordings and of the results of tools are in the file's coordinates; false = they "
       "are relative to the origin of the map frame. The nodes' poses are always relative to it");
     v("include", include, "", anyValue(),
-      "names of the objects to read, separated by commas, * stands for any text; empty = all");
+      "names of the objects to read, with commas between; * = any text, ? = one character; empty = "
+      "all");
     v("exclude", exclude, "", anyValue(),
       "names of the objects not to read, like include, e.g. *Furniture*,*Ceiling*");
     v("crease_angle_deg", crease_angle_deg, "deg", between(0, 180),

@@ -87,20 +87,16 @@ class Cover {
   /// Cosine of the largest angle between parallel faces, 2.6 degrees.
   static constexpr double kParallel = 0.999;
 
-  std::optional<Hit> firstHit(const Vector3d& from, const Vector3d& direction, double far) const {
-    RTCRayHit ray{};
-    ray.ray = rayOf(from, direction, far);
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_.get(), &context, &ray);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return Hit{ray.hit.primID, normalOf(mesh_, ray.hit.primID)};
+  std::optional<Hit> firstFace(const Vector3d& from, const Vector3d& direction, double far) const {
+    const std::optional<RayHit> hit = firstHit(scene_.get(), from.cast<float>(),
+                                               direction.cast<float>(), 0, static_cast<float>(far));
+    if (!hit) return std::nullopt;
+    return Hit{hit->triangle, normalOf(mesh_, hit->triangle)};
   }
 
   /// The face of the plane through `point` that is seen from the side of `normal`.
   std::optional<Hit> faceOf(const Vector3d& point, const Vector3d& normal) const {
-    std::optional<Hit> hit = firstHit(point + near_ * normal, -normal, 2 * near_);
+    std::optional<Hit> hit = firstFace(point + near_ * normal, -normal, 2 * near_);
     if (!hit || std::abs(hit->normal.dot(normal)) < kParallel) return std::nullopt;
     return hit;
   }
@@ -131,7 +127,7 @@ class Cover {
     return touchesOther(on_face, normal) || (is_shared && leadsToBack(on_face, -normal));
   }
   bool leadsToBack(const Vector3d& on_face, const Vector3d& direction) const {
-    const std::optional<Hit> next = firstHit(on_face + near_ * direction, direction, INFINITY);
+    const std::optional<Hit> next = firstFace(on_face + near_ * direction, direction, INFINITY);
     return next && next->normal.dot(direction) > 0;
   }
   /// Whether a face that looks the other way lies on a face. The two may have the same distance

@@ -18,15 +18,32 @@ bool encode(const std::string& ending, const cv::Mat& picture, const std::vector
   }
 }
 
+/// The reason why writePicture() refuses a name.
+std::string noFormat(const std::string& file) {
+  return file + ": cannot be written: the ending names no picture format (.png, .jpg)";
+}
+
 }  // namespace
+
+bool isPictureName(const std::string& file) {
+  if (std::filesystem::path(file).extension().empty()) return false;
+  try {
+    return cv::haveImageWriter(file);
+  } catch (const cv::Exception&) {
+    return false;
+  }
+}
+
+void requirePictureName(const std::string& file) {
+  if (!isPictureName(file)) throw InputError(noFormat(file));
+}
 
 void writePicture(const std::string& file, const cv::Mat& picture,
                   const std::vector<int>& options) {
   namespace fs = std::filesystem;
   const std::string ending = fs::path(file).extension().string();
   std::vector<uchar> bytes;
-  if (ending.empty() || !encode(ending, picture, options, &bytes))
-    throw InputError(file + ": cannot be written: the ending names no picture format (.png, .jpg)");
+  if (ending.empty() || !encode(ending, picture, options, &bytes)) throw InputError(noFormat(file));
   const std::string partial = file + ".part";
   std::error_code error;
   {

@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "edge_mcl/core/import/file_facts.h"
+#include "edge_mcl/core/import/map_frame.h"
+#include "edge_mcl/core/import/obj_names.h"
 
 namespace edge_mcl {
 
@@ -178,27 +180,6 @@ void plyPositions(const std::string& text, const PlyVertices& ply, const Found& 
   }
 }
 
-/// The far part of the coordinates: whole hundreds next to the smallest coordinates, when all
-/// coordinates of some axis are far from zero and on one side of it. The origin of the map is
-/// rounded in the same way, so that the vertices relative to it are those of the text.
-Eigen::Vector3d farPart(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double far) {
-  constexpr double kRound = 100;
-  for (int k = 0; k < 3; ++k)
-    if (low[k] <= high[k] && (low[k] > far || high[k] < -far))
-      return (low / kRound).array().round().matrix() * kRound;
-  return Eigen::Vector3d::Zero();
-}
-
-class Range {
- public:
-  void add(const Eigen::Vector3d& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY);
-  Eigen::Vector3d high = Eigen::Vector3d::Constant(-INFINITY);
-};
-
 Eigen::Vector3d valueOf(const Triple& t) { return {t[0].value, t[1].value, t[2].value}; }
 
 /// Writes the text again with the numbers that `each` finds moved by -shift.
@@ -228,29 +209,47 @@ std::string rewritten(const std::string& text, const Eigen::Vector3d& shift,
   return result;
 }
 
+/// Coordinate of a binary PLY file.
+class BinaryNumber {
+ public:
+  BinaryNumber(char* place, bool little_endian) : place_(place), little_endian_(little_endian) {}
+  double get() const {
+    std::array<char, sizeof(double)> bytes{};
+    std::copy(place_, place_ + bytes.size(), bytes.begin());
+    if (!little_endian_) std::reverse(bytes.begin(), bytes.end());
+    double value = 0;
+    std::memcpy(&value, bytes.data(), sizeof(value));
+    return value;
+  }
+  void set(double value) {
+    std::array<char, sizeof(double)> bytes{};
+    std::memcpy(bytes.data(), &value, sizeof(value));
+    if (!little_endian_) std::reverse(bytes.begin(), bytes.end());
+    std::copy(bytes.begin(), bytes.end(), place_);
+  }
+
+ private:
+  char* place_;
+  bool little_endian_;
+};
+
 std::optional<ShiftedFile> shiftedBinaryPly(std::string contents, const PlyVertices& ply) {
-  if (!ply.little_endian || !(ply.is_double[0] && ply.is_double[1] && ply.is_double[2]) ||
+  if (!(ply.is_double[0] && ply.is_double[1] && ply.is_double[2]) ||
       ply.begin + ply.count * ply.size > contents.size())
     return std::nullopt;
-  const auto place = [&](size_t i, int k) {
-    return contents.data() + ply.begin + i * ply.size + ply.offset[k];
+  const auto number = [&](size_t i, int k) {
+    return BinaryNumber(contents.data() + ply.begin + i * ply.size + ply.offset[k],
+                        ply.little_endian);
   };
-  const double far = kFar;
-  Range range;
+  std::vector<Eigen::Vector3d> points;
   for (size_t i = 0; i < ply.count; ++i) {
-    Eigen::Vector3d p;
-    for (int k = 0; k < 3; ++k) std::memcpy(&p[k], place(i, k), sizeof(double));
-    range.add(p);
+    const Eigen::Vector3d p(number(i, 0).get(), number(i, 1).get(), number(i, 2).get());
+    if (p.allFinite()) points.push_back(p);
   }
-  const Eigen::Vector3d shift = farPart(range.low, range.high, far);
+  const Eigen::Vector3d shift = farPart(points, kFar);
   if (shift.isZero()) return std::nullopt;
   for (size_t i = 0; i < ply.count; ++i)
-    for (int k = 0; k < 3; ++k) {
-      double value = 0;
-      std::memcpy(&value, place(i, k), sizeof(double));
-      value -= shift[k];
-      std::memcpy(place(i, k), &value, sizeof(double));
-    }
+    for (int k = 0; k < 3; ++k) number(i, k).set(number(i, k).get() - shift[k]);
   return ShiftedFile{std::move(contents), shift};
 }
 
@@ -265,7 +264,9 @@ std::optional<ShiftedFile> shiftedNearOrigin(const std::string& file) {
   std::function<void(const Found&)> each;
   PlyVertices ply;
   double far = kFar;
+  bool is_renamed = false;
   if (extension == ".obj") {
+    is_renamed = joinObjectNames(&text);
     each = [&](const Found& found) { triplesAfterWord(text, "v", found); };
   } else if (extension == ".stl") {
     if (text.compare(0, 5, "solid") != 0) return std::nullopt;
@@ -281,11 +282,12 @@ std::optional<ShiftedFile> shiftedNearOrigin(const std::string& file) {
     if (!ply.ascii) return shiftedBinaryPly(std::move(text), ply);
     each = [&](const Found& found) { plyPositions(text, ply, found); };
   }
-  Range range;
-  each([&](const Triple& triple) { range.add(valueOf(triple)); });
-  const Eigen::Vector3d shift = farPart(range.low, range.high, far);
-  if (shift.isZero()) return std::nullopt;
-  return ShiftedFile{rewritten(text, shift, each), shift};
+  std::vector<Eigen::Vector3d> points;
+  each([&](const Triple& triple) { points.push_back(valueOf(triple)); });
+  const Eigen::Vector3d shift = farPart(points, far);
+  if (!shift.isZero()) return ShiftedFile{rewritten(text, shift, each), shift};
+  if (is_renamed) return ShiftedFile{std::move(text), shift};
+  return std::nullopt;
 }
 
 }  // namespace edge_mcl

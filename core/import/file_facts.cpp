@@ -102,17 +102,22 @@ const std::string* argumentsOf(const Entities& entities, unsigned long number, c
   return it != entities.end() && it->second.first == type ? &it->second.second : nullptr;
 }
 
-/// Factor of an SI prefix in the arguments of an IFCSIUNIT.
-double prefixOf(const std::string& arguments) {
-  static const std::array<std::pair<const char*, double>, 6> kPrefixes{{{".MICRO.", 1e-6},
-                                                                        {".MILLI.", 1e-3},
-                                                                        {".CENTI.", 1e-2},
-                                                                        {".DECI.", 0.1},
-                                                                        {".HECTO.", 100},
-                                                                        {".KILO.", 1e3}}};
-  for (const auto& [name, factor] : kPrefixes)
-    if (upper(arguments).find(name) != std::string::npos) return factor;
-  return 1;
+/// Unit of an IFCSIUNIT with these arguments: the metre with its prefix.
+FileUnit siUnit(const std::string& arguments) {
+  struct Prefix {
+    const char *word, *name;
+    double factor;
+  };
+  static constexpr std::array<Prefix, 6> kPrefixes{{{".MICRO.", "micrometre", 1e-6},
+                                                    {".MILLI.", "millimetre", 1e-3},
+                                                    {".CENTI.", "centimetre", 1e-2},
+                                                    {".DECI.", "decimetre", 0.1},
+                                                    {".HECTO.", "hectometre", 100},
+                                                    {".KILO.", "kilometre", 1e3}}};
+  const std::string upper_case = upper(arguments);
+  for (const Prefix& p : kPrefixes)
+    if (upper_case.find(p.word) != std::string::npos) return {p.factor, p.name, true};
+  return {1, "metre", true};
 }
 
 /// A conversion-based unit, e.g. of 0.3048 m. Its measure is IFCLENGTHMEASURE(0.3048),#12).
@@ -129,7 +134,8 @@ FileUnit convertedUnit(const std::string& unit, const Entities& entities) {
     if (open != std::string::npos)
       std::from_chars(measure->data() + open + 1, measure->data() + measure->size(), value);
     for (const unsigned long base : references(*measure))
-      if (const std::string* si = argumentsOf(entities, base, "IFCSIUNIT")) value *= prefixOf(*si);
+      if (const std::string* si = argumentsOf(entities, base, "IFCSIUNIT"))
+        value *= siUnit(*si).metres;
     if (std::isfinite(value) && value > 0) result.metres = value;
   }
   return result;
@@ -144,7 +150,7 @@ FileUnit ifcUnit(const std::string& file) {
     if (entry.second.first != "IFCUNITASSIGNMENT") continue;
     for (const unsigned long number : references(entry.second.second)) {
       const std::string* si = argumentsOf(entities, number, "IFCSIUNIT");
-      if (si && isLength(*si)) return {prefixOf(*si), "", true};
+      if (si && isLength(*si)) return siUnit(*si);
       const std::string* unit = argumentsOf(entities, number, "IFCCONVERSIONBASEDUNIT");
       if (unit && isLength(*unit)) return convertedUnit(*unit, entities);
     }
@@ -154,21 +160,96 @@ FileUnit ifcUnit(const std::string& file) {
 
 /// Unit of a DXF file: group code 70 after $INSUNITS (DXF reference, HEADER section).
 FileUnit dxfUnit(const std::string& file) {
-  static const std::map<int, FileUnit> kUnits{
-      {1, {0.0254, "inch", false}},      {2, {0.3048, "foot", false}},
-      {4, {0.001, "millimetre", false}}, {5, {0.01, "centimetre", false}},
-      {6, {1, "metre", false}},          {7, {1000, "kilometre", false}},
-      {10, {0.9144, "yard", false}},     {14, {0.1, "decimetre", false}}};
+  // By number. Those of astronomy and of atoms have no length here, so that they are warned of.
+  static const std::array<FileUnit, 25> kUnits{{{0, "", false},
+                                                {0.0254, "inch", false},
+                                                {0.3048, "foot", false},
+                                                {1609.344, "mile", false},
+                                                {1e-3, "millimetre", false},
+                                                {1e-2, "centimetre", false},
+                                                {1, "metre", false},
+                                                {1e3, "kilometre", false},
+                                                {2.54e-8, "microinch", false},
+                                                {2.54e-5, "mil", false},
+                                                {0.9144, "yard", false},
+                                                {0, "angstrom", false},
+                                                {0, "nanometre", false},
+                                                {1e-6, "micrometre", false},
+                                                {0.1, "decimetre", false},
+                                                {10, "decametre", false},
+                                                {100, "hectometre", false},
+                                                {0, "gigametre", false},
+                                                {0, "astronomical unit", false},
+                                                {0, "light year", false},
+                                                {0, "parsec", false},
+                                                {1200.0 / 3937, "US survey foot", false},
+                                                {100.0 / 3937, "US survey inch", false},
+                                                {3600.0 / 3937, "US survey yard", false},
+                                                {6336000.0 / 3937, "US survey mile", false}}};
   std::istringstream in(textOf(file, 1 << 20));  // the header comes first
   std::string line;
   while (std::getline(in, line))
     if (line.find("$INSUNITS") != std::string::npos) {
-      int code = 0, unit = 0;
-      in >> code >> unit;
-      const auto it = kUnits.find(unit);
-      return code == 70 && it != kUnits.end() ? it->second : FileUnit();
+      int code = 0;
+      long unit = 0;
+      if (!(in >> code >> unit) || code != 70) return {};
+      if (unit >= 0 && unit < static_cast<long>(kUnits.size()))
+        return kUnits[static_cast<size_t>(unit)];
+      return {0, "unit with number " + std::to_string(unit), false};
     }
   return {};
+}
+
+/// Unit of a Collada file: <unit name="inch" meter="0.0254"/>. assimp applies it.
+FileUnit colladaUnit(const std::string& file) {
+  const std::string text = textOf(file, 1 << 16);  // the assets come first
+  const size_t tag = text.find("<unit");
+  const size_t end = text.find('>', tag);
+  if (tag == std::string::npos || end == std::string::npos) return {};
+  const auto valueOf = [&](const std::string& name) -> std::string {
+    const size_t at = text.find(" " + name + "=", tag);
+    if (at == std::string::npos || at > end) return "";
+    const size_t first = at + name.size() + 3;
+    return text.substr(first, text.find(text[first - 1], first) - first);
+  };
+  FileUnit unit;
+  const std::string metres = valueOf("meter");
+  std::from_chars(metres.data(), metres.data() + metres.size(), unit.metres);
+  if (!std::isfinite(unit.metres) || unit.metres <= 0) return {};
+  unit.name = valueOf("name");
+  if (unit.name.empty()) unit.name = "unit of " + metres + " m";
+  unit.is_applied = true;
+  return unit;
+}
+
+/// Last bytes of a file.
+std::string tailOf(const std::string& file, std::streamoff most) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in.tellg();
+  in.seekg(std::max<std::streamoff>(0, size - most));
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Whether a PLY file of text has fewer lines than its header announces. assimp reads the part that
+/// is there. It refuses a binary file that is too short.
+bool textPlyEndsTooEarly(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string line;
+  bool is_text = false;
+  uint64_t announced = 0;
+  while (std::getline(in, line) && line.rfind("end_header", 0) != 0) {
+    std::istringstream words(line);
+    std::string first, second;
+    uint64_t count = 0;
+    words >> first >> second >> count;
+    if (first == "format") is_text = second == "ascii";
+    if (first == "element") announced += count;
+  }
+  if (!is_text) return false;
+  uint64_t lines = 0;
+  while (lines < announced && std::getline(in, line))
+    lines += line.find_first_not_of(" \t\r") != std::string::npos ? 1 : 0;
+  return lines < announced;
 }
 
 }  // namespace
@@ -220,27 +301,25 @@ FileUnit statedUnit(const std::string& file) {
   const std::string extension = extensionOf(file);
   if (extension == ".ifc") return ifcUnit(file);
   if (extension == ".dxf") return dxfUnit(file);
+  if (extension == ".dae") return colladaUnit(file);
   return {};
 }
 
 bool endsTooEarly(const std::string& file) {
-  const std::string extension = extensionOf(file);
-  const char* mark = extension == ".ifc"   ? "END-ISO-10303-21"
-                     : extension == ".dxf" ? "EOF"
-                                           : nullptr;
-  if (mark == nullptr) return false;
   constexpr std::streamoff kTail = 4096;  // comments may follow the mark
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  const std::streamoff size = in.tellg();
-  in.seekg(std::max<std::streamoff>(0, size - kTail));
-  std::string tail(std::istreambuf_iterator<char>(in), {});
+  const std::string extension = extensionOf(file);
+  const auto lacks = [&](const char* mark) {
+    return tailOf(file, kTail).find(mark) == std::string::npos;
+  };
+  const std::string begin = textOf(file, 512);
+  if (extension == ".ifc") return lacks("END-ISO-10303-21");
   // A binary DXF has no line of text at its end.
-  constexpr const char* kBinaryDxf = "AutoCAD Binary DXF";
-  in.clear();
-  in.seekg(0);
-  std::string begin(std::char_traits<char>::length(kBinaryDxf), ' ');
-  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return begin != kBinaryDxf && tail.find(mark) == std::string::npos;
+  if (extension == ".dxf") return begin.rfind("AutoCAD Binary DXF", 0) != 0 && lacks("EOF");
+  // The comment of a binary STL file may begin with the word, too.
+  if (extension == ".stl")
+    return begin.rfind("solid", 0) == 0 && begin.find("facet") != std::string::npos &&
+           lacks("endsolid");
+  return extension == ".ply" && textPlyEndsTooEarly(file);
 }
 
 }  // namespace edge_mcl

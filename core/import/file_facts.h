@@ -20,13 +20,13 @@ std::string extensionOf(const std::string& file);
 ///   convert the file.
 void requireReadableFormat(const std::string& file);
 
-/// Whether a file of a format that ends with a mark (IFC, DXF) lacks the mark, as after a download
-/// that was cut off. A part of the model is missing then.
+/// Whether a file was cut off, as by a download that broke: it lacks the mark at the end of its
+/// format (IFC, DXF, STL of text), or has fewer lines than it announces (PLY of text).
 bool endsTooEarly(const std::string& file);
 
-/// Reads the unit of an IFC file, where assimp ignores units such as foot and inch, and of a DXF
-/// file
-/// ($INSUNITS). Other formats are not looked at.
+/// Reads the unit of an IFC file, where assimp ignores units such as foot and inch, of a DXF file
+/// ($INSUNITS) and of a Collada file. Other formats are not looked at. A unit with a name but
+/// without a length is one whose length is not known.
 FileUnit statedUnit(const std::string& file);
 
 }  // namespace edge_mcl

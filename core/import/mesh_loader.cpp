@@ -2,7 +2,6 @@
 
 #include <fnmatch.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,27 +9,14 @@
 #include <sstream>
 #include <utility>
 
-#include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/base/se3.h"
 #include "edge_mcl/core/import/file_facts.h"
 #include "edge_mcl/core/import/importer_process.h"
+#include "edge_mcl/core/import/map_frame.h"
 
 namespace edge_mcl {
 
 namespace {
-
-Eigen::Affine3d mapTransform(const MapParameters& params, double scale) {
-  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
-  transform.translate(Eigen::Vector3d(params.x, params.y, params.z));
-  transform.rotate(rotationFromAngles(params.roll_deg * kDegree, params.pitch_deg * kDegree,
-                                      params.yaw_deg * kDegree));
-  Eigen::Vector3d axes = Eigen::Vector3d::Constant(scale);
-  for (int k = 0; k < 3; ++k)
-    if (params.mirror == std::string(1, "xyz"[k])) axes[k] = -scale;
-  transform.scale(axes);
-  return transform;
-}
 
 /// Patterns that are separated by commas.
 std::vector<std::string> patternsOf(const std::string& text) {
@@ -44,10 +30,20 @@ std::vector<std::string> patternsOf(const std::string& text) {
   return list;
 }
 
+/// Whether a name matches a pattern, in which * is any text and ? is one character. Names of
+/// building models hold brackets and backslashes, which fnmatch() would take for more.
+bool matches(const std::string& name, const std::string& pattern) {
+  std::string literal;
+  for (const char c : pattern) {
+    if (c == '[' || c == ']' || c == '\\') literal += '\\';
+    literal += c;
+  }
+  return fnmatch(literal.c_str(), name.c_str(), FNM_CASEFOLD) == 0;
+}
+
 bool matchesOne(const std::string& name, const std::vector<std::string>& patterns) {
-  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-    return fnmatch(pattern.c_str(), name.c_str(), FNM_CASEFOLD) == 0;
-  });
+  return std::any_of(patterns.begin(), patterns.end(),
+                     [&](const std::string& pattern) { return matches(name, pattern); });
 }
 
 /// Drops the objects that map.include and map.exclude leave out.
@@ -58,7 +54,7 @@ void chooseObjects(const MapParameters& params, const std::string& file, RawMode
   if (include.empty() && exclude.empty()) return;
   const auto requireMatch = [&](const std::string& pattern) {
     if (std::none_of(model->objects.begin(), model->objects.end(),
-                     [&](const std::string& name) { return matchesOne(name, {pattern}); }))
+                     [&](const std::string& name) { return matches(name, pattern); }))
       throw InputError(file + ": no object has a name like '" + pattern +
                        "' (edge-mcl inspect --objects lists the names)");
   };
@@ -89,24 +85,56 @@ void chooseObjects(const MapParameters& params, const std::string& file, RawMode
   *model = std::move(chosen);
 }
 
-/// Origin of the map frame: near the model, when the model is far from the file's origin.
-Eigen::Vector3d originOf(const MapParameters& params, const Eigen::Vector3d& lowest,
-                         const Eigen::Vector3d& highest) {
-  if (const auto given = params.givenOrigin()) return Eigen::Vector3d(given->data());
-  // Single precision is good to 0.25 mm at this distance.
-  constexpr double kFar = 5000, kRound = 100;
-  Eigen::Vector3d nearest;
-  for (int k = 0; k < 3; ++k)
-    nearest[k] = lowest[k] > 0 ? lowest[k] : highest[k] < 0 ? highest[k] : 0;
-  if (nearest.cwiseAbs().maxCoeff() < kFar) return Eigen::Vector3d::Zero();
-  return (lowest / kRound).array().round().matrix() * kRound;
+/// Drops vertices of which no triangle or line is made. They must not place the origin.
+void dropUnusedVertices(RawModel* model) {
+  constexpr uint32_t kUnused = 0xffffffffu;
+  std::vector<uint32_t> number(model->vertices.size(), kUnused);
+  uint32_t count = 0;
+  const auto use = [&](uint32_t* vertex) {
+    if (number[*vertex] == kUnused) number[*vertex] = count++;
+    *vertex = number[*vertex];
+  };
+  for (auto& triangle : model->triangles)
+    for (uint32_t& vertex : triangle) use(&vertex);
+  for (auto& line : model->lines)
+    for (uint32_t& vertex : line) use(&vertex);
+  if (count == 0) return;  // an error that weldMesh() tells
+  std::vector<Eigen::Vector3d> used(count);
+  for (size_t i = 0; i < number.size(); ++i)
+    if (number[i] != kUnused) used[number[i]] = model->vertices[i];
+  model->vertices = std::move(used);
 }
 
-std::string metresText(const Eigen::Vector3d& v) {
-  std::ostringstream text;
-  text.precision(12);
-  text << "(" << v.x() << ", " << v.y() << ", " << v.z() << ")";
-  return text.str();
+/// Rounding error of a usual vertex, in units of the vertices. Half of them have a smaller one.
+double roundingOf(const RawModel& model) {
+  constexpr double kPrecision = 1.2e-7;  // of single precision
+  std::vector<double> distance;
+  distance.reserve(model.vertices.size());
+  for (const Eigen::Vector3d& v : model.vertices)
+    if (v.allFinite()) distance.push_back((v - model.shift).cwiseAbs().maxCoeff());
+  if (distance.empty()) return 0;
+  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
+  std::nth_element(distance.begin(), middle, distance.end());
+  return kPrecision * *middle;
+}
+
+/// @throws InputError when the vertices are too coarse. @param scale metres per unit of them.
+/// @return a warning, or an empty text.
+std::string coarseness(const RawModel& model, double scale, const std::string& file) {
+  const double rounding = scale * roundingOf(model);
+  constexpr double kBad = 0.01, kNoticed = 0.001;  // m
+  if (rounding <= kNoticed) return "";
+  std::string text =
+      "the file is so far from its origin that its coordinates are rounded to " +
+      std::to_string(std::lround(1000 * std::min(rounding, 1e6))) +
+      " mm. Move the model near the origin, or export it as OBJ or as PLY in double precision";
+  if (!model.shift.isZero())
+    text = "the chosen objects are so far from most of the file's vertices, at " +
+           metresText(scale * model.shift) + ", that their coordinates are rounded to " +
+           std::to_string(std::lround(1000 * std::min(rounding, 1e6))) +
+           " mm. Export them to a file of their own";
+  if (rounding > kBad) throw InputError(file + ": " + text);
+  return text;
 }
 
 void addSizeWarnings(double scale, MeshModel* mesh) {
@@ -114,10 +142,8 @@ void addSizeWarnings(double scale, MeshModel* mesh) {
   const double diagonal = mesh->diagonal();
   if (diagonal < 0.02)
     warnings.emplace_back("the model is less than 2 cm across. Is map.scale right?");
-  if (scale == 1 && diagonal > 500)
-    warnings.push_back("the model is " + std::to_string(std::lround(diagonal)) +
-                       " m across. Is it in centimetres or millimetres? Then set map.scale to 0.01 "
-                       "or 0.001");
+  const std::string doubt = sizeDoubt(diagonal, scale);
+  if (!doubt.empty()) warnings.push_back(doubt);
   const auto count = [&](size_t n, const char* what) {
     if (n > 0) warnings.push_back(std::to_string(n) + what);
   };
@@ -129,14 +155,13 @@ void addSizeWarnings(double scale, MeshModel* mesh) {
 /// The model's parts in the map frame, and the origin of the map frame.
 MeshSoup soupOf(RawModel raw, const Eigen::Affine3d& to_map, const MapParameters& params,
                 Eigen::Vector3d* origin) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
+  std::vector<Eigen::Vector3d> finite;
+  finite.reserve(raw.vertices.size());
   for (Eigen::Vector3d& v : raw.vertices) {
     v = to_map * v;
-    if (!v.allFinite()) continue;  // an error that weldMesh() tells
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
+    if (v.allFinite()) finite.push_back(v);  // others are an error that weldMesh() tells
   }
-  *origin = originOf(params, low, high);
+  *origin = mapOrigin(params, finite);
   MeshSoup soup;
   soup.vertices.reserve(raw.vertices.size());
   for (const Eigen::Vector3d& v : raw.vertices)
@@ -150,6 +175,19 @@ MeshSoup soupOf(RawModel raw, const Eigen::Affine3d& to_map, const MapParameters
   soup.material_count = static_cast<uint32_t>(raw.material_colors.size());
   soup.material_colors = std::move(raw.material_colors);
   return soup;
+}
+
+/// @param scale map.scale
+void addUnit(const FileUnit& unit, double scale, MeshReport* report) {
+  if (unit.name.empty()) return;
+  report->unit = unit.name;
+  if (scale > 0 && std::abs(scale / unit.metres - 1) > 1e-6)
+    report->warnings.push_back("the file's unit is the " + unit.name +
+                               ", and map.scale overrides it");
+  else if (scale == 0 && unit.metres <= 0)
+    report->warnings.push_back("the file's unit is the " + unit.name +
+                               ", whose length is not known here. Its coordinates are taken for "
+                               "metres; map.scale sets another unit");
 }
 
 double weldTolerance(const MeshSoup& soup) {
@@ -177,15 +215,13 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   std::map<std::string, size_t> objects;
   for (const uint32_t i : raw.triangle_object) ++objects[raw.objects[i]];
   for (const uint32_t i : raw.line_object) ++objects[raw.objects[i]];
-  const double scale = params.scale > 0 ? params.scale : raw.unit > 0 ? raw.unit : 1;
-  const double rounding = raw.rounding * scale;
-  const std::string coarse =
-      "the file is so far from its origin that its coordinates are rounded to " +
-      std::to_string(std::lround(1000 * std::min(rounding, 1e6))) +
-      " mm. Move the model near the origin, or export it as OBJ or as PLY in double precision";
-  if (rounding > 0.01) throw InputError(file + ": " + coarse);
-  const std::string unit = raw.unit_name;
-  const double file_unit = raw.unit;
+  dropUnusedVertices(&raw);
+  // Metres per unit of the vertices. map.scale is metres per unit of the file.
+  const double file_unit = raw.unit > 0 ? raw.unit : 1;
+  const double of_file = params.scale > 0 ? params.scale : file_unit;
+  const double scale = raw.in_metres ? of_file / file_unit : of_file;
+  const std::string coarse = coarseness(raw, scale, file);
+  const FileUnit unit{raw.unit, raw.unit_name, raw.in_metres};
   const int up_axis = raw.up_axis;
   const size_t empty_faces = raw.empty_faces;
   Eigen::Vector3d origin;
@@ -196,23 +232,17 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   mesh.report.objects = std::move(objects);
   mesh.report.degenerate_triangles += empty_faces;
   std::vector<std::string>& warnings = mesh.report.warnings;
-  if (rounding > 0.001) warnings.push_back(coarse);
+  if (!coarse.empty()) warnings.push_back(coarse);
   if (endsTooEarly(file))
     warnings.emplace_back(
-        "the file lacks the mark at its end. Was it cut off? Then a part of the model is missing");
-  if (!unit.empty()) {
-    mesh.report.unit = unit;
-    if (params.scale > 0 && std::abs(params.scale / file_unit - 1) > 1e-6)
-      warnings.push_back("the file's unit is the " + unit + ", and map.scale overrides it");
-  }
-  if (!origin.isZero())
-    warnings.push_back("the map's origin is at " + metresText(origin) +
-                       " in the file's coordinates, m (see map.origin)");
+        "the file ends too early. Was it cut off? Then a part of the model is missing");
+  addUnit(unit, params.scale, &mesh.report);
+  if (!origin.isZero()) warnings.push_back(originNote(origin));
   if (up_axis >= 0 && up_axis < 2)
     warnings.push_back(std::string("the file says that its ") + "xyz"[up_axis] + " axis is up. " +
                        (up_axis == 1 ? "map.roll_deg=90" : "map.pitch_deg=-90") +
                        " makes z the upward axis");
-  addSizeWarnings(scale, &mesh);
+  addSizeWarnings(of_file, &mesh);
   return mesh;
 }
 

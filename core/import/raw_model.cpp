@@ -96,7 +96,8 @@ bool writeRawModel(const RawModel& m, std::FILE* file) {
   w.number(m.unit);
   w.text(m.unit_name);
   w.number(m.up_axis);
-  w.number(m.rounding);
+  w.number(m.in_metres);
+  for (int k = 0; k < 3; ++k) w.number(m.shift[k]);
   w.number(m.empty_faces);
   w.number(kMark);
   return w.good && std::fflush(file) == 0;
@@ -121,7 +122,8 @@ bool readRawModel(std::FILE* file, RawModel* m) {
   r.number(&m->unit);
   r.text(&m->unit_name);
   r.number(&m->up_axis);
-  r.number(&m->rounding);
+  r.number(&m->in_metres);
+  for (int k = 0; k < 3; ++k) r.number(&m->shift[k]);
   r.number(&m->empty_faces);
   r.number(&mark);
   return r.good && mark == kMark && isConsistent(*m);

@@ -13,7 +13,7 @@ namespace edge_mcl {
 /// Geometry of a model file with the axes of the file. Vertices are double, so that coordinates of
 /// a country keep their millimetres.
 struct RawModel {
-  std::vector<Eigen::Vector3d> vertices;  ///< in units of the file
+  std::vector<Eigen::Vector3d> vertices;  ///< in units of the file, or in metres
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<uint32_t> triangle_material, triangle_object;  ///< one number for each triangle
   std::vector<std::array<uint32_t, 2>> lines;
@@ -22,10 +22,10 @@ struct RawModel {
   std::vector<std::string> objects;  ///< names of the objects
   double unit = 0;                   ///< metres per unit of the file; 0: the file does not say
   std::string unit_name;             ///< of a unit that is not the metre
+  bool in_metres = false;            ///< the reader has applied the unit
   int32_t up_axis = -1;  ///< axis that the file calls up: 0 x, 1 y, 2 z; -1: it does not say
-  /// Error of the vertices by rounding to single precision in the file or the importer, in units of
-  /// the file.
-  double rounding = 0;
+  /// Was subtracted before the vertices were rounded to single precision, in units of the vertices.
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   uint64_t empty_faces = 0;
 };
 

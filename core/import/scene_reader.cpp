@@ -127,6 +127,7 @@ class SceneParts {
   uint32_t objectNumber(const aiNode& node, unsigned mesh) {
     std::string name = node.mName.C_Str();
     if (name.empty() || &node == scene_.mRootNode) name = scene_.mMeshes[mesh]->mName.C_Str();
+    if (name.empty()) name = "unnamed";
     const auto [it, is_new] = numbers_.emplace(name, static_cast<uint32_t>(model_->objects.size()));
     if (is_new) model_->objects.push_back(name);
     return it->second;
@@ -205,14 +206,9 @@ void readFbxFacts(const aiScene& scene, RawModel* model) {
   if (scene.mMetaData->Get("UpAxis", up) && up >= 0 && up <= 2) model->up_axis = up;
 }
 
-/// Rounding error of the vertex that was nearest to the origin when it was read. The nearest vertex
-/// decides, so that a few far vertices do not count.
-double roundingOf(const std::vector<Eigen::Vector3d>& vertices, const Eigen::Vector3d& shift) {
-  constexpr double kPrecision = 1.2e-7;  // of single precision
-  double nearest = INFINITY;
-  for (const Eigen::Vector3d& v : vertices)
-    nearest = std::min(nearest, (v - shift).cwiseAbs().maxCoeff());
-  return std::isfinite(nearest) ? kPrecision * nearest : 0;
+std::string reasonOf(const Assimp::Importer& importer) {
+  const std::string reason = importer.GetErrorString();
+  return reason.empty() ? "assimp gives no reason; the file is broken or empty" : reason;
 }
 
 }  // namespace
@@ -222,10 +218,9 @@ RawModel readScene(const std::string& file) {
   if (extension == ".ply") checkPlyHeader(file);
   RawModel model;
   const FileUnit unit = statedUnit(file);
-  if (!unit.is_applied) {
-    model.unit = unit.metres;
-    model.unit_name = unit.name;
-  }
+  model.unit = unit.metres;
+  model.unit_name = unit.name;
+  model.in_metres = unit.is_applied;
   std::optional<ShiftedFile> shifted = shiftedNearOrigin(file);
   const Eigen::Vector3d shift = shifted ? shifted->shift : Eigen::Vector3d::Zero();
   Assimp::Importer importer;
@@ -255,18 +250,17 @@ RawModel readScene(const std::string& file) {
   if (!scene && std::string(importer.GetErrorString()).find("bad_alloc") != std::string::npos)
     throw std::bad_alloc();
   if (!scene || !scene->mRootNode)
-    throw InputError(file + ": not readable as a 3D model: " + importer.GetErrorString());
+    throw InputError(file + ": not readable as a 3D model: " + reasonOf(importer));
   readMaterials(*scene, &model);
   if (extension == ".fbx") readFbxFacts(*scene, &model);
   // In an IFC file the far points are the placement of the site or of all bodies, so that the shift
   // is one of the whole model. assimp has made metres of its coordinates.
   const bool is_ifc = extension == ".ifc";
-  const Eigen::Vector3d in_scene = (is_ifc && unit.is_applied ? unit.metres : 1) * shift;
+  model.shift = (unit.is_applied ? unit.metres : 1) * shift;
   SceneParts(*scene, fileAxes(extension), is_ifc ? Eigen::Vector3d::Zero() : shift, &model)
       .append(*scene->mRootNode, Eigen::Affine3d::Identity());
   if (is_ifc)
-    for (Eigen::Vector3d& v : model.vertices) v += in_scene;
-  model.rounding = roundingOf(model.vertices, in_scene);
+    for (Eigen::Vector3d& v : model.vertices) v += model.shift;
   return model;
 }
 

@@ -1,7 +1,5 @@
 #include "edge_mcl/core/mesh/large_faces.h"
 
-#include <embree3/rtcore.h>
-
 #include <cmath>
 
 namespace edge_mcl {
@@ -60,27 +58,14 @@ bool LargeFaces::hide(const Eigen::Vector3f& eye, const Eigen::Vector3f& centre,
   const Eigen::Vector3f direction = centre - eye;
   const Corner from = eye.cast<double>(), box = centre.cast<double>() - from;
   const Corner sides = half.cast<double>();
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   float begin = 0;
   // A table in front of a wall is asked first. Behind some walls there is little left to find.
   constexpr int kMostFaces = 6;
   for (int k = 0; k < kMostFaces; ++k) {
-    RTCRayHit ray{};
-    ray.ray.org_x = eye.x();
-    ray.ray.org_y = eye.y();
-    ray.ray.org_z = eye.z();
-    ray.ray.dir_x = direction.x();
-    ray.ray.dir_y = direction.y();
-    ray.ray.dir_z = direction.z();
-    ray.ray.tnear = begin;
-    ray.ray.tfar = 1;
-    ray.ray.mask = 0xffffffffu;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_->get(), &context, &ray);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    if (hides(faces_[ray.hit.primID / 2], from, box, sides, margin)) return true;
-    begin = ray.ray.tfar * 1.0001f + 1e-6f;
+    const std::optional<RayHit> hit = firstHit(scene_->get(), eye, direction, begin, 1);
+    if (!hit) return false;
+    if (hides(faces_[hit->triangle / 2], from, box, sides, margin)) return true;
+    begin = hit->along * 1.0001f + 1e-6f;
   }
   return false;
 }

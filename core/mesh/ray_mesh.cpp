@@ -6,6 +6,25 @@
 
 namespace edge_mcl {
 
+namespace {
+
+RTCRay rayOf(const Eigen::Vector3f& from, const Eigen::Vector3f& direction, float begin,
+             float end) {
+  RTCRay ray{};
+  ray.org_x = from.x();
+  ray.org_y = from.y();
+  ray.org_z = from.z();
+  ray.dir_x = direction.x();
+  ray.dir_y = direction.y();
+  ray.dir_z = direction.z();
+  ray.tnear = begin;
+  ray.tfar = end;
+  ray.mask = ~0u;
+  return ray;
+}
+
+}  // namespace
+
 void attachMesh(RTCDeviceTy* device, RTCSceneTy* scene, const MeshModel& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
@@ -49,19 +68,21 @@ RayScene::~RayScene() {
   rtcReleaseDevice(device_);
 }
 
+std::optional<RayHit> firstHit(RTCSceneTy* scene, const Eigen::Vector3f& from,
+                               const Eigen::Vector3f& direction, float begin, float end) {
+  RTCRayHit ray{};
+  ray.ray = rayOf(from, direction, begin, end);
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return RayHit{ray.hit.primID, ray.ray.tfar, ray.hit.u, ray.hit.v};
+}
+
 bool isBlocked(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f& to,
                float margin, float end_margin) {
-  RTCRay ray{};
-  const Eigen::Vector3f d = to - from;
-  ray.org_x = from.x();
-  ray.org_y = from.y();
-  ray.org_z = from.z();
-  ray.dir_x = d.x();
-  ray.dir_y = d.y();
-  ray.dir_z = d.z();
-  ray.tnear = margin;
-  ray.tfar = 1 - end_margin;
-  ray.mask = 0xffffffffu;
+  RTCRay ray = rayOf(from, to - from, margin, 1 - end_margin);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(scene, &context, &ray);

@@ -1,6 +1,10 @@
 /// Access to a mesh in the ray caster. This header needs no header of Embree.
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
 #include "edge_mcl/core/mesh/mesh_model.h"
 
 struct RTCDeviceTy;
@@ -32,6 +36,19 @@ class RayScene {
   RTCDeviceTy* device_;
   RTCSceneTy* scene_;
 };
+
+/// The first surface on a ray.
+struct RayHit {
+  uint32_t triangle = 0;
+  float along = 0;     ///< of the ray, in lengths of its direction
+  float u = 0, v = 0;  ///< barycentric coordinates of the second and third vertex
+};
+
+/// @param from, direction map frame, metres; the direction may have any length.
+/// @param begin, end of the ray, in lengths of its direction.
+/// @return nothing when the ray meets no surface.
+std::optional<RayHit> firstHit(RTCSceneTy* scene, const Eigen::Vector3f& from,
+                               const Eigen::Vector3f& direction, float begin, float end);
 
 /// Whether a surface lies between two points (map frame, metres).
 /// @param margin share of the way that is ignored at its start.

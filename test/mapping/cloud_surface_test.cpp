@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -57,7 +58,7 @@ TEST(CloudSurface, ARoomIsSeenFromInside) {
     p[axis] = (i / 3 % 2 == 0 ? 0 : size[axis]) + 0.002 * random.normal();
     points.push_back(p);
   }
-  const MeshSoup surface = surfaceOfCloud(writeFile("room.ply", plyOf(points)), 0.03);
+  const MeshSoup surface = surfaceOfCloud(writeFile("room.ply", plyOf(points)), {}, 0.03).soup;
   ASSERT_GT(surface.triangles.size(), 2000u);
   size_t far = 0;
   for (const Eigen::Vector3f& v : surface.vertices) {
@@ -77,12 +78,40 @@ TEST(CloudSurface, ARoomIsSeenFromInside) {
   EXPECT_GT(static_cast<double>(inward), 0.98 * static_cast<double>(surface.triangles.size()));
 }
 
+/// The same room in millimetres, at a place in its country. The truth is the room in metres.
+TEST(CloudSurface, ScaleAndOriginOfTheMapApply) {
+  if (!DepthFusion::isAvailable()) GTEST_SKIP() << "this build has no Open3D";
+  RandomSource random(1);
+  const Eigen::Vector3d size(2, 1.6, 1.2), place(458123.4, 5428765.4, 112);
+  std::ostringstream text;
+  text.precision(12);
+  for (int i = 0; i < 20000; ++i) {
+    Eigen::Vector3d p(random.uniform(), random.uniform(), random.uniform());
+    p = p.cwiseProduct(size);
+    const int axis = i % 3;
+    p[axis] = i / 3 % 2 == 0 ? 0 : size[axis];
+    text << 1000 * (place + p).transpose() << "\n";
+  }
+  const std::string file = writeFile("millimetres.xyz", text.str());
+  EXPECT_THROW(surfaceOfCloud(file, {}, 0.03), InputError);
+  MapParameters params;
+  params.scale = 0.001;
+  const CloudSurface surface = surfaceOfCloud(file, params, 0.03);
+  Eigen::AlignedBox3d box;
+  for (const auto& t : surface.soup.triangles)
+    for (const uint32_t v : t) box.extend(surface.origin + surface.soup.vertices[v].cast<double>());
+  // The surface may bulge by the spacing.
+  EXPECT_LT((box.min() - place).cwiseAbs().maxCoeff(), 0.03);
+  EXPECT_LT((box.max() - place - size).cwiseAbs().maxCoeff(), 0.03);
+  EXPECT_LT(surface.soup.vertices.front().norm(), 200);
+}
+
 TEST(CloudSurface, BadFilesAreErrors) {
   if (!DepthFusion::isAvailable()) GTEST_SKIP() << "this build has no Open3D";
-  EXPECT_THROW(surfaceOfCloud("missing.ply", 0.02), InputError);
-  EXPECT_THROW(surfaceOfCloud(writeFile("few.ply", plyOf({{0, 0, 0}, {1, 0, 0}})), 0.02),
+  EXPECT_THROW(surfaceOfCloud("missing.ply", {}, 0.02), InputError);
+  EXPECT_THROW(surfaceOfCloud(writeFile("few.ply", plyOf({{0, 0, 0}, {1, 0, 0}})), {}, 0.02),
                InputError);
-  EXPECT_THROW(surfaceOfCloud(writeFile("broken.ply", "ply\nformat ascii 1.0\n"), 0.02),
+  EXPECT_THROW(surfaceOfCloud(writeFile("broken.ply", "ply\nformat ascii 1.0\n"), {}, 0.02),
                InputError);
 }
 

@@ -23,7 +23,8 @@ RawModel example() {
   model.unit = 0.3048;
   model.unit_name = "foot";
   model.up_axis = 1;
-  model.rounding = 1e-3;
+  model.in_metres = true;
+  model.shift = {100, -200, 300};
   model.empty_faces = 7;
   return model;
 }
@@ -46,7 +47,8 @@ TEST(RawModel, ReadsWhatItHasWritten) {
   EXPECT_EQ(read.unit, written.unit);
   EXPECT_EQ(read.unit_name, written.unit_name);
   EXPECT_EQ(read.up_axis, written.up_axis);
-  EXPECT_EQ(read.rounding, written.rounding);
+  EXPECT_EQ(read.in_metres, written.in_metres);
+  EXPECT_EQ(read.shift, written.shift);
   EXPECT_EQ(read.empty_faces, written.empty_faces);
 }
 
