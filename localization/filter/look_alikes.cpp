@@ -6,6 +6,7 @@
 #include <map>
 
 #include "edge_mcl/core/base/angles.h"
+#include "edge_mcl/core/base/se3.h"
 
 namespace edge_mcl {
 
@@ -27,6 +28,11 @@ constexpr size_t kMostLines = 120;
 constexpr double kParallel = 0.9994;  // cosine of 2 degrees
 /// A look-alike that ends this near to the pose is the pose itself.
 constexpr double kSame = 0.08;  // m
+/// A repeat of a building moves the pose and does not turn it. A refinement that ends elsewhere has
+/// found something by chance. Those of docs/decisions/tracking-look-alikes.md end within 2 cm of
+/// the shift and 1 degree.
+constexpr double kFromShift = 0.12;      // m
+constexpr double kTurned = 3 * kDegree;  // against the pose, whose rotation may be off
 
 struct LineInView {
   Vector3d middle, tangent;
@@ -116,7 +122,10 @@ std::optional<LookAlike> bestLookAlike(const LocalizationMap& map,
     Pose start = pose;
     start.translation() += shift;
     const Pose end = map.refineRoughly(views, start, std::nullopt).pose;
-    if ((end.translation() - pose.translation()).norm() > kSame) poses.push_back(end);
+    if ((end.translation() - pose.translation()).norm() > kSame &&
+        (end.translation() - start.translation()).norm() < kFromShift &&
+        rotationAngle(end, pose) < kTurned)
+      poses.push_back(end);
   }
   if (poses.size() == 2) return std::nullopt;
   const std::vector<PoseScore> scores = map.evaluate(views, poses);

@@ -15,6 +15,9 @@ constexpr double kNear = -30, kBetter = 8;
 /// Samples of one line have correlated errors, so the odds count half.
 constexpr double kShare = 0.5;
 constexpr int kTwice = 2;
+/// Two look-alikes whose offsets from the pose differ by less are the same. In that flight they
+/// differ by 2 cm, and those that a cluttered map shows by chance by 20 cm or more.
+constexpr double kSameOffset = 0.08;  // m
 
 }  // namespace
 
@@ -25,7 +28,13 @@ LookAlikeWatch::Result LookAlikeWatch::look(const LocalizationMap& map,
   if (next_ && time < *next_ && time > *next_ - 2 * kInterval) return result;
   const std::optional<LookAlike> other = bestLookAlike(map, views, pose);
   next_ = time + (other && other->advantage > kNear ? 0 : kInterval);
-  better_ = other && other->advantage > kBetter ? better_ + 1 : 0;
+  if (other && other->advantage > kBetter) {
+    const Eigen::Vector3d offset = other->pose.translation() - pose.translation();
+    better_ = better_ > 0 && (offset - offset_).norm() < kSameOffset ? better_ + 1 : 1;
+    offset_ = offset;
+  } else {
+    better_ = 0;
+  }
   if (!other || better_ == 1) return result;  // one image may be a bad one
   if ((other->pose.translation() - pose.translation()).norm() > kRightWithin)
     result.log_odds = -kShare * other->advantage;

@@ -16,7 +16,7 @@ class LookAlikeWatch {
     /// Natural logarithm of P(pose) / P(best look-alike) by this image, at most one that is far
     /// enough away to be wrong. None: not asked, there is none, or it is better for the first time.
     std::optional<double> log_odds;
-    /// The look-alike (T_map_base), when it has been better twice in a row.
+    /// The look-alike (T_map_base), when the same one has been better twice in a row.
     std::optional<Pose> better;
   };
   /// @param time s @param pose T_map_base
@@ -27,7 +27,8 @@ class LookAlikeWatch {
 
  private:
   std::optional<double> next_;  // time of the next question, s
-  int better_ = 0;              // times in a row that a look-alike was better
+  int better_ = 0;              // times in a row that the same look-alike was better
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  // of that look-alike from the pose, m
 };
 
 }  // namespace edge_mcl

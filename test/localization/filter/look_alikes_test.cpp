@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "edge_mcl/core/base/angles.h"
+#include "edge_mcl/core/base/se3.h"
 #include "support/stairs.h"
 
 namespace edge_mcl {
@@ -38,6 +40,19 @@ TEST(LookAlikes, ThePoseOneStepOnFindsTheTrueOne) {
   ASSERT_TRUE(found.has_value());
   EXPECT_LT((found->pose.translation() - kPose.translation()).norm(), 0.03);
   EXPECT_GT(found->advantage, 8);
+}
+
+/// Such a pose is one that the search may find. It is no repeat of this one.
+TEST(LookAlikes, APoseThatIsTurnedIsNone) {
+  const LocalizationMap map(test::stairs(), Parameters());
+  Pose turned = kPose;
+  turned.linear() = kPose.linear() * Eigen::AngleAxisd(6 * kDegree, Eigen::Vector3d::UnitY());
+  Pose wrong = kPose;
+  wrong.translation() += test::oneStep();
+  const auto found = bestLookAlike(map, {viewOf(map, turned)}, wrong);
+  if (found) {
+    EXPECT_LT(rotationAngle(found->pose, wrong), 3 * kDegree);
+  }
 }
 
 TEST(LookAlikes, FromTheTruePoseAllOthersAreWorse) {

@@ -34,6 +34,20 @@ TEST_F(LookAlikeWatchTest, ABetterPoseIsTakenWhenItIsBetterTwice) {
   EXPECT_LT((second.better->translation() - true_.translation()).norm(), 0.03);
 }
 
+/// What fits by chance fits elsewhere in the next image.
+TEST_F(LookAlikeWatchTest, TwoDifferentOnesAreNotOneThatIsBetterTwice) {
+  const CameraModel camera = test::pinhole(320, 240, 220);
+  for (const double step : {-1.0, 1.0}) {
+    Pose seen = wrong_;
+    seen.translation() += step * test::oneStep();
+    const auto image = map_.prepare(camera, test::render(map_.mesh(), camera, seen), {}, "stairs");
+    const auto result =
+        watch_.look(map_, {{image, Pose::Identity(), 1, nullptr}}, wrong_, 1 + step);
+    EXPECT_FALSE(result.log_odds.has_value()) << step;
+    EXPECT_FALSE(result.better.has_value()) << step;
+  }
+}
+
 TEST_F(LookAlikeWatchTest, ANewPoseBeginsAgain) {
   watch_.look(map_, views_, wrong_, 1.0);
   watch_.begin();
