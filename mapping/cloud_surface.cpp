@@ -76,7 +76,7 @@ Eigen::Vector3d moveToMap(const MapParameters& params, const std::string& file,
   const double scale = params.scale > 0 ? params.scale : 1;
   const Eigen::Affine3d to_map = mapTransform(params, scale);
   for (Eigen::Vector3d& p : *points) p = to_map * p;
-  const Eigen::Vector3d origin = mapOrigin(params, *points);
+  Eigen::Vector3d origin = mapOrigin(params, *points);
   Eigen::AlignedBox3d box;
   for (Eigen::Vector3d& p : *points) box.extend(p -= origin);
   const std::string doubt = params.scale > 0 ? "" : sizeDoubt(box.diagonal().norm(), scale);

@@ -91,6 +91,9 @@ cv::Mat stepsOf(const cv::Mat& depth) {
   return steps;
 }
 
+/// Directions of a place that cover the sphere evenly (Fibonacci's lattice).
+constexpr int kRaysOfPlace = 128;
+
 }  // namespace
 
 ScanViews::ScanViews(const MeshModel& mesh)
@@ -115,56 +118,63 @@ ScanViews::Surface ScanViews::surfaceAt(const Eigen::Vector3f& from,
   return {hit->along, normal.normalized()};
 }
 
-double ScanViews::frontShare(const Eigen::Vector3d& place) const {
-  // Directions that cover the sphere evenly (Fibonacci's lattice).
-  constexpr int kRays = 128;
+std::vector<SurfacePiece> ScanViews::frontsFrom(const Eigen::Vector3d& place) const {
+  std::vector<SurfacePiece> fronts;
   const double golden = M_PI * (3 - std::sqrt(5.0));
-  int fronts = 0;
-  for (int i = 0; i < kRays; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kRays, radius = std::sqrt(1 - z * z);
-    const Eigen::Vector3d d(radius * std::cos(golden * i), radius * std::sin(golden * i), z);
-    if (surfaceAt(place.cast<float>(), d.cast<float>()).distance > 0) ++fronts;
+  for (int i = 0; i < kRaysOfPlace; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kRaysOfPlace, radius = std::sqrt(1 - z * z);
+    const Eigen::Vector3f d(static_cast<float>(radius * std::cos(golden * i)),
+                            static_cast<float>(radius * std::sin(golden * i)),
+                            static_cast<float>(z));
+    const Surface s = surfaceAt(place.cast<float>(), d);
+    if (s.distance > 0)
+      fronts.push_back({place.cast<float>() + s.distance * d, s.normal, s.distance});
   }
-  return static_cast<double>(fronts) / kRays;
+  return fronts;
 }
 
-std::vector<Pose> ScanViews::poses(double spacing) const {
+std::vector<ScanViews::View> ScanViews::views(const ScanPlaces& wanted) const {
   // A scan may show one side of a room only, and its outside shows backs. Places from which fewer
   // rays than this meet fronts see nothing that others do not see.
   constexpr double kInside = 0.15, kClearance = 0.25;
   constexpr int kHeadings = 8;
   constexpr std::array<double, 3> kPitches{-0.5, 0, 0.5};
   const ClosestFace closest(mesh_);
-  std::vector<Pose> result;
-  const Eigen::Vector3d low = mesh_.lowest.cast<double>(), high = mesh_.highest.cast<double>();
-  for (double z = low.z() + spacing / 2; z < high.z(); z += spacing)
-    for (double y = low.y() + spacing / 2; y < high.y(); y += spacing)
-      for (double x = low.x() + spacing / 2; x < high.x(); x += spacing) {
-        const Eigen::Vector3d place(x, y, z);
-        if (closest.find(place, kClearance).found) continue;
-        if (frontShare(place) < kInside) continue;
-        for (int h = 0; h < kHeadings; ++h)
-          for (const double pitch : kPitches) {
-            Pose pose = Pose::Identity();
-            pose.linear() = lookingAlong(2 * M_PI * h / kHeadings, pitch);
-            pose.translation() = place;
-            result.push_back(pose);
-          }
+  SeenSurface seen(wanted.times_seen, wanted.far);
+  std::vector<View> result;
+  uint32_t number = 0;
+  for (const Eigen::Vector3d& place :
+       spreadPlaces(mesh_.lowest.cast<double>(), mesh_.highest.cast<double>(), wanted.spacing)) {
+    if (closest.find(place, kClearance).found) continue;
+    const std::vector<SurfacePiece> fronts = frontsFrom(place);
+    if (static_cast<double>(fronts.size()) < kInside * kRaysOfPlace || !seen.add(fronts)) continue;
+    for (int h = 0; h < kHeadings; ++h)
+      for (const double pitch : kPitches) {
+        Pose pose = Pose::Identity();
+        pose.linear() = lookingAlong(2 * M_PI * h / kHeadings, pitch);
+        pose.translation() = place;
+        result.push_back({pose, number});
       }
+    ++number;
+  }
   return result;
 }
 
-std::vector<MappingImage> ScanViews::render(const Pose& T_map_camera, uint32_t number) const {
+std::vector<MappingImage> ScanViews::render(const View& view) const {
+  // Noise of 3 mm moves a surface by 17 mm along a ray that meets it at 10 degrees. Surfaces that
+  // are seen so flat would show steps of depth that are none.
+  constexpr float kGrazing = 0.17f;
   const int width = camera_.width, height = camera_.height;
   cv::Mat depth(height, width, CV_32F, cv::Scalar(0));
   cv::Mat normals(height, width, CV_32FC3, cv::Scalar(0, 0, 0));
-  const Eigen::Vector3f from = T_map_camera.translation().cast<float>();
-  const Eigen::Matrix3f axes = T_map_camera.linear().cast<float>();
+  const Eigen::Vector3f from = view.T_map_camera.translation().cast<float>();
+  const Eigen::Matrix3f axes = view.T_map_camera.linear().cast<float>();
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Eigen::Vector2f& r = rays_->at(x, y);
-      const Surface s = surfaceAt(from, axes * Eigen::Vector3f(r.x(), r.y(), 1));
-      if (s.distance <= 0) continue;
+      const Eigen::Vector3f direction = axes * Eigen::Vector3f(r.x(), r.y(), 1);
+      const Surface s = surfaceAt(from, direction);
+      if (s.distance <= 0 || -s.normal.dot(direction) < kGrazing * direction.norm()) continue;
       depth.at<float>(y, x) = s.distance;  // the direction has length 1 along the optical axis
       normals.at<cv::Vec3f>(y, x) = {s.normal.x(), s.normal.y(), s.normal.z()};
     }
@@ -174,7 +184,7 @@ std::vector<MappingImage> ScanViews::render(const Pose& T_map_camera, uint32_t n
   const auto append = [&](const cv::Mat& grey) {
     cv::Mat smooth;
     cv::medianBlur(grey, smooth, kMedian);
-    images.push_back({smooth, depth, T_map_camera, number});
+    images.push_back({smooth, depth, view.T_map_camera, view.place});
   };
   // The detector needs steps of some 5 grey levels, which is a crease of 7 degrees or more.
   constexpr double kGreyPerNormal = 70;

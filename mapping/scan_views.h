@@ -7,6 +7,7 @@
 #include "edge_mcl/core/camera/camera_rays.h"
 #include "edge_mcl/core/mesh/ray_mesh.h"
 #include "edge_mcl/mapping/depth_segments.h"
+#include "edge_mcl/mapping/scan_places.h"
 
 namespace edge_mcl {
 
@@ -18,14 +19,19 @@ class ScanViews {
   /// @param mesh must outlive this object. @throws Error when the ray caster cannot be started.
   explicit ScanViews(const MeshModel& mesh);
 
-  /// Camera poses (T_map_camera) inside the scan that see its front sides, in a fixed order.
-  /// @param spacing of the places, m.
-  std::vector<Pose> poses(double spacing) const;
+  /// A camera inside the scan that sees its front sides.
+  struct View {
+    Pose T_map_camera = Pose::Identity();
+    uint32_t place = 0;  ///< views with the same number are from one place
+  };
+  /// Views all around from each place, in a fixed order.
+  std::vector<View> views(const ScanPlaces& wanted) const;
   const CameraModel& camera() const { return camera_; }
 
   /// Renders one view: an image for each axis that surfaces may face, and one for steps of depth.
-  /// All have the same depth.
-  std::vector<MappingImage> render(const Pose& T_map_camera, uint32_t number) const;
+  /// All have the same depth, and the place as their number: what several views from one place
+  /// agree on may be an outline that only this place sees.
+  std::vector<MappingImage> render(const View& view) const;
 
  private:
   /// What the ray of a pixel meets.
@@ -34,7 +40,8 @@ class ScanViews {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   };
   Surface surfaceAt(const Eigen::Vector3f& from, const Eigen::Vector3f& direction) const;
-  double frontShare(const Eigen::Vector3d& place) const;
+  /// Front sides in all directions.
+  std::vector<SurfacePiece> frontsFrom(const Eigen::Vector3d& place) const;
 
   const MeshModel& mesh_;
   RayScene scene_;

@@ -63,15 +63,15 @@ TEST(ScanViews, ShowTheEdgesOfTheRoomAndNotTheNoise) {
   MeshModel mesh = scannedRoom();
   EXPECT_TRUE(looksLikeScan(mesh, buildEdgeModel(&mesh, {})));
   const ScanViews views(mesh);
-  const std::vector<Pose> poses = views.poses(1);
-  ASSERT_GT(poses.size(), 20u);
+  const std::vector<ScanViews::View> places = views.views({1});
+  ASSERT_GT(places.size(), 20u);
   const CameraRays rays(views.camera());
   SegmentOptions options;
   options.needs_both_sides = true;
   options.min_extrapolation = 0;  // the depth of a rendered scan has no noise of its own
   std::vector<DepthSegment> segments;
-  for (size_t i = 0; i < poses.size(); i += 5)
-    for (const MappingImage& image : views.render(poses[i], static_cast<uint32_t>(i))) {
+  for (size_t i = 0; i < places.size(); i += 5)
+    for (const MappingImage& image : views.render(places[i])) {
       const auto found = findDepthSegments(image, rays, options);
       segments.insert(segments.end(), found.begin(), found.end());
     }
@@ -84,6 +84,28 @@ TEST(ScanViews, ShowTheEdgesOfTheRoomAndNotTheNoise) {
   }
   EXPECT_GT(length, 0.6 * 37.6);
   EXPECT_LT(elsewhere, 0.02 * 37.6);
+}
+
+/// The floor of the room is 1 m below the camera, which looks along it. At 8 degrees noise makes
+/// steps of depth, so such pixels have none; at 15 degrees they have the depth of the floor.
+TEST(ScanViews, ASurfaceThatIsSeenAtASmallAngleHasNoDepth) {
+  MeshSoup soup;
+  soup.vertices = {{-20, -20, 0}, {20, -20, 0}, {20, 20, 0}, {-20, 20, 0}};
+  soup.triangles = {{0, 1, 2}, {0, 2, 3}};
+  soup.triangle_material = {0, 0};
+  const MeshModel mesh = weldMesh(std::move(soup), 1e-6, "floor");
+  const ScanViews views(mesh);
+  ScanViews::View view;
+  view.T_map_camera.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // looks along x
+  view.T_map_camera.translation() = Eigen::Vector3d(0, 0, 1);
+  const cv::Mat depth = views.render(view).front().depth;
+  const auto rowAt = [&](double degrees) {
+    return static_cast<int>(
+        std::lround(views.camera().cy + views.camera().fy * std::tan(degrees * M_PI / 180)));
+  };
+  const int middle = depth.cols / 2;
+  EXPECT_EQ(depth.at<float>(rowAt(8), middle), 0);
+  EXPECT_NEAR(depth.at<float>(rowAt(15), middle), 1 / std::tan(15 * M_PI / 180), 0.05);
 }
 
 /// A cube of 20 cm holds up to 50 faces. Where a wall runs along the border of two cubes, the noise
