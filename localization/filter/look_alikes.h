@@ -23,7 +23,8 @@ struct LookAlike {
   double advantage = 0;  ///< its log-likelihood minus that of the other pose, nats
 };
 
-/// The best pose that is a repeat away, after refinement, and looks in the same direction. @param pose T_map_base
+/// The best pose that is a repeat away, after refinement, and looks in the same direction. @param
+/// pose T_map_base
 /// @return none: nothing repeats itself in view, or every start falls back to the pose
 std::optional<LookAlike> bestLookAlike(const LocalizationMap& map,
                                        const std::vector<CameraView>& views, const Pose& pose);

@@ -25,8 +25,10 @@ TEST(SpreadPlaces, ABoxOfLessThanHalfASpacingHasNone) {
 }
 
 std::vector<SurfacePiece> wall(float x, float distance, float facing) {
+  constexpr int kPieces = 10;
   std::vector<SurfacePiece> pieces;
-  for (int i = 0; i < 10; ++i)
+  pieces.reserve(kPieces);
+  for (int i = 0; i < kPieces; ++i)
     pieces.push_back({{x, static_cast<float>(i) + 0.5f, 0.5f}, {facing, 0, 0}, distance});
   return pieces;
 }
