@@ -19,25 +19,23 @@ int halvings(const Eigen::Vector3i& numbers, int most) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> spreadPlaces(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                                          double spacing) {
-  constexpr int kLevels =
-      3;  // the first places are 8 spacings apart, farther than most rooms reach
+void forSpreadPlaces(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double spacing,
+                     const std::function<void(const Eigen::Vector3d&)>& visit) {
+  // The first places are 8 spacings apart, farther than most rooms reach.
+  constexpr int kLevels = 3;
   const Eigen::Vector3d start = low + Eigen::Vector3d::Constant(spacing / 2);
   const Eigen::Vector3i count =
       ((high - start) / spacing).array().ceil().max(0).matrix().cast<int>();
-  std::vector<Eigen::Vector3d> places;
   for (int level = kLevels; level >= 0; --level)
     for (int z = 0; z < count.z(); ++z)
       for (int y = 0; y < count.y(); ++y)
         for (int x = 0; x < count.x(); ++x)
           if (halvings({x, y, z}, kLevels) == level)
-            places.emplace_back(start + spacing * Eigen::Vector3d(x, y, z));
-  return places;
+            visit(start + spacing * Eigen::Vector3d(x, y, z));
 }
 
 SeenSurface::Part SeenSurface::partOf(const SurfacePiece& piece) {
-  constexpr float kCube = 1;  // m; rays that are 13 degrees apart hit each cube within 4 m
+  constexpr float kCube = 1;  // m; rays that are 17 degrees apart hit each cube within 3.4 m
   int axis = 0;
   piece.normal.cwiseAbs().maxCoeff(&axis);
   const bool positive = piece.normal[axis] > 0;

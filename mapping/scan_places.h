@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -22,10 +23,10 @@ struct SurfacePiece {
   float distance = 0;             ///< from the place, m
 };
 
-/// Corners of a grid in a box, such that the first ones are spread widely and each later one lies
-/// between earlier ones. @param spacing of the whole grid, m.
-std::vector<Eigen::Vector3d> spreadPlaces(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                                          double spacing);
+/// Visits the corners of a grid in a box, such that the first ones are spread widely and each later
+/// one lies between earlier ones. @param spacing of the whole grid, m.
+void forSpreadPlaces(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double spacing,
+                     const std::function<void(const Eigen::Vector3d&)>& visit);
 
 /// Counts how many places have seen each part of the surfaces.
 class SeenSurface {

@@ -143,11 +143,10 @@ std::vector<ScanViews::View> ScanViews::views(const ScanPlaces& wanted) const {
   SeenSurface seen(wanted.times_seen, wanted.far);
   std::vector<View> result;
   uint32_t number = 0;
-  for (const Eigen::Vector3d& place :
-       spreadPlaces(mesh_.lowest.cast<double>(), mesh_.highest.cast<double>(), wanted.spacing)) {
-    if (closest.find(place, kClearance).found) continue;
+  const auto visit = [&](const Eigen::Vector3d& place) {
+    if (closest.find(place, kClearance).found) return;
     const std::vector<SurfacePiece> fronts = frontsFrom(place);
-    if (static_cast<double>(fronts.size()) < kInside * kRaysOfPlace || !seen.add(fronts)) continue;
+    if (static_cast<double>(fronts.size()) < kInside * kRaysOfPlace || !seen.add(fronts)) return;
     for (int h = 0; h < kHeadings; ++h)
       for (const double pitch : kPitches) {
         Pose pose = Pose::Identity();
@@ -156,7 +155,8 @@ std::vector<ScanViews::View> ScanViews::views(const ScanPlaces& wanted) const {
         result.push_back({pose, number});
       }
     ++number;
-  }
+  };
+  forSpreadPlaces(mesh_.lowest.cast<double>(), mesh_.highest.cast<double>(), wanted.spacing, visit);
   return result;
 }
 

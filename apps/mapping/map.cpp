@@ -193,8 +193,8 @@ void addScan(const MapOptions& o, const std::string& source, const MapParameters
   parts->add(lines,
              o.no_faces ? MeshSoup() : simplifiedFaces(mesh.vertices, mesh.triangles, o.face_size),
              mesh.origin);
-  std::printf("%s: %zu triangles, %zu views, %zu lines\n", source.c_str(), mesh.triangles.size(),
-              places.size(), lines.size());
+  std::printf("%s: %zu triangles, %u places, %zu lines\n", source.c_str(), mesh.triangles.size(),
+              places.back().place + 1, lines.size());
 }
 
 int run(const MapOptions& o) {
@@ -240,7 +240,8 @@ void addMap(CLI::App* app, Action* action) {
                 "ground truth of the recording");
   c->add_option("--topics", o->topics, "topics of a bag, as for localize");
   c->add_option("--camera", o->camera, "YAML file with the camera of a rawlog, as for localize");
-  c->add_option("--min-views", o->min_views, "images that must agree on a line; default: 4");
+  c->add_option("--min-views", o->min_views,
+                "images (of a scan: places) that must agree on a line; default: 4");
   c->add_option("--face-size", o->face_size, "size of the hiding faces, m; default: 0.05")
       ->check(numberFrom(0.005, 5));
   c->add_option("--spacing", o->spacing,

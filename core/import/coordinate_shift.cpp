@@ -57,7 +57,8 @@ bool nextTriple(const std::string& text, size_t* at, size_t end, Triple* triple)
 }
 
 /// Calls `found` for the three numbers after every `word` at the beginning of a line.
-void triplesAfterWord(const std::string& text, const std::string& word, const Found& found) {
+/// @return false when something else follows a word, or the line goes on in the next one.
+bool triplesAfterWord(const std::string& text, const std::string& word, const Found& found) {
   for (size_t line = 0; line < text.size();) {
     size_t end = text.find('\n', line);
     if (end == std::string::npos) end = text.size();
@@ -67,15 +68,18 @@ void triplesAfterWord(const std::string& text, const std::string& word, const Fo
     if (text.compare(at, word.size(), word) == 0 && at + word.size() < end &&
         isSeparator(text[at + word.size()])) {
       at += word.size();
-      if (nextTriple(text, &at, end, &triple)) found(triple);
+      const size_t last = end > line ? text.find_last_not_of(" \t\r", end - 1) : line;
+      if (text[last] == '\\' || !nextTriple(text, &at, end, &triple)) return false;
+      found(triple);
     }
     line = end + 1;
   }
+  return true;
 }
 
 /// Points of an IFC file. Only those with a far coordinate are positions in the country; others are
 /// relative to a placement.
-void ifcPoints(const std::string& text, double far, const Found& found) {
+bool ifcPoints(const std::string& text, double far, const Found& found) {
   constexpr std::string_view kPoint = "IFCCARTESIANPOINT(";
   for (size_t at = text.find(kPoint); at != std::string::npos; at = text.find(kPoint, at)) {
     at += kPoint.size();
@@ -86,6 +90,7 @@ void ifcPoints(const std::string& text, double far, const Found& found) {
                     [&](const Number& n) { return std::abs(n.value) > far; }))
       found(triple);
   }
+  return true;  // other points have two numbers
 }
 
 std::string attribute(const std::string& text, size_t tag, const std::string& name) {
@@ -97,7 +102,8 @@ std::string attribute(const std::string& text, size_t tag, const std::string& na
 }
 
 /// Positions of a Collada file: the arrays of the sources whose semantic is POSITION.
-void colladaPositions(const std::string& text, const Found& found) {
+/// @return false when an array holds something else than numbers.
+bool colladaPositions(const std::string& text, const Found& found) {
   for (size_t input = text.find("\"POSITION\""); input != std::string::npos;
        input = text.find("\"POSITION\"", input + 1)) {
     const size_t tag = text.rfind('<', input);
@@ -112,7 +118,10 @@ void colladaPositions(const std::string& text, const Found& found) {
     if (at == std::string::npos) continue;
     ++at;
     for (Triple triple; nextTriple(text, &at, end, &triple);) found(triple);
+    while (at < end && isSeparator(text[at])) ++at;
+    if (at < end) return false;
   }
+  return true;
 }
 
 /// Header of a PLY file whose vertices are the first element.
@@ -164,27 +173,34 @@ bool plyVertices(const std::string& text, PlyVertices* ply) {
   return ply->count > 0;
 }
 
-/// Positions of a PLY file of text.
-void plyPositions(const std::string& text, const PlyVertices& ply, const Found& found) {
+/// Positions of a PLY file of text. @return false when a line lacks a number.
+bool plyPositions(const std::string& text, const PlyVertices& ply, const Found& found) {
   size_t line = ply.begin;
-  for (size_t i = 0; i < ply.count && line < text.size(); ++i) {
+  for (size_t i = 0; i < ply.count && line < text.size();) {
     size_t end = text.find('\n', line);
     if (end == std::string::npos) end = text.size();
+    if (text.find_first_not_of(" \t\r", line) >= end) {  // importers skip empty lines
+      line = end + 1;
+      continue;
+    }
+    ++i;
     Triple triple;
     size_t at = line, column = 0;
     for (Number n; nextNumber(text, &at, end, &n); ++column)
       for (size_t k = 0; k < 3; ++k)
         if (ply.offset[k] == column) triple[k] = n;
-    if (column > *std::max_element(ply.offset.begin(), ply.offset.end())) found(triple);
+    if (column <= *std::max_element(ply.offset.begin(), ply.offset.end())) return false;
+    found(triple);
     line = end + 1;
   }
+  return true;
 }
 
 Eigen::Vector3d valueOf(const Triple& t) { return {t[0].value, t[1].value, t[2].value}; }
 
 /// Writes the text again with the numbers that `each` finds moved by -shift.
 std::string rewritten(const std::string& text, const Eigen::Vector3d& shift,
-                      const std::function<void(const Found&)>& each) {
+                      const std::function<bool(const Found&)>& each) {
   std::string result;
   result.reserve(text.size());
   size_t copied = 0;
@@ -261,30 +277,31 @@ std::optional<ShiftedFile> shiftedNearOrigin(const std::string& file) {
   if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end()) return std::nullopt;
   std::ifstream in(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
-  std::function<void(const Found&)> each;
+  std::function<bool(const Found&)> each;
   PlyVertices ply;
   double far = kFar;
   bool is_renamed = false;
   if (extension == ".obj") {
     is_renamed = joinObjectNames(&text);
-    each = [&](const Found& found) { triplesAfterWord(text, "v", found); };
+    each = [&](const Found& found) { return triplesAfterWord(text, "v", found); };
   } else if (extension == ".stl") {
     if (text.compare(0, 5, "solid") != 0) return std::nullopt;
-    each = [&](const Found& found) { triplesAfterWord(text, "vertex", found); };
+    each = [&](const Found& found) { return triplesAfterWord(text, "vertex", found); };
   } else if (extension == ".ifc") {
     const FileUnit unit = statedUnit(file);
     far = kFarIfc / (unit.metres > 0 ? unit.metres : 1);
-    each = [&](const Found& found) { ifcPoints(text, far, found); };
+    each = [&](const Found& found) { return ifcPoints(text, far, found); };
   } else if (extension == ".dae") {
-    each = [&](const Found& found) { colladaPositions(text, found); };
+    each = [&](const Found& found) { return colladaPositions(text, found); };
   } else {
     if (!plyVertices(text, &ply)) return std::nullopt;
     if (!ply.ascii) return shiftedBinaryPly(std::move(text), ply);
-    each = [&](const Found& found) { plyPositions(text, ply, found); };
+    each = [&](const Found& found) { return plyPositions(text, ply, found); };
   }
   std::vector<Eigen::Vector3d> points;
-  each([&](const Triple& triple) { points.push_back(valueOf(triple)); });
-  const Eigen::Vector3d shift = farPart(points, far);
+  // A part of the vertices must not stay behind.
+  const bool is_understood = each([&](const Triple& triple) { points.push_back(valueOf(triple)); });
+  const Eigen::Vector3d shift = is_understood ? farPart(points, far) : Eigen::Vector3d::Zero();
   if (!shift.isZero()) return ShiftedFile{rewritten(text, shift, each), shift};
   if (is_renamed) return ShiftedFile{std::move(text), shift};
   return std::nullopt;

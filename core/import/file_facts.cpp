@@ -117,6 +117,8 @@ FileUnit siUnit(const std::string& arguments) {
   const std::string upper_case = upper(arguments);
   for (const Prefix& p : kPrefixes)
     if (upper_case.find(p.word) != std::string::npos) return {p.factor, p.name, true};
+  // assimp leaves this one out.
+  if (upper_case.find(".DECA.") != std::string::npos) return {10, "decametre", false};
   return {1, "metre", true};
 }
 
@@ -202,20 +204,30 @@ FileUnit dxfUnit(const std::string& file) {
 
 /// Unit of a Collada file: <unit name="inch" meter="0.0254"/>. assimp applies it.
 FileUnit colladaUnit(const std::string& file) {
-  const std::string text = textOf(file, 1 << 16);  // the assets come first
+  std::string text = textOf(file, 1 << 16);  // the assets come first
+  for (size_t begin = text.find("<!--"); begin != std::string::npos; begin = text.find("<!--")) {
+    const size_t end = text.find("-->", begin);
+    text.erase(begin, end == std::string::npos ? end : end + 3 - begin);
+  }
   const size_t tag = text.find("<unit");
   const size_t end = text.find('>', tag);
   if (tag == std::string::npos || end == std::string::npos) return {};
   const auto valueOf = [&](const std::string& name) -> std::string {
-    const size_t at = text.find(" " + name + "=", tag);
-    if (at == std::string::npos || at > end) return "";
-    const size_t first = at + name.size() + 3;
-    return text.substr(first, text.find(text[first - 1], first) - first);
+    for (size_t at = text.find(name + "=", tag); at < end; at = text.find(name + "=", at + 1)) {
+      const size_t first = at + name.size() + 2;
+      if (std::isspace(static_cast<unsigned char>(text[at - 1])) != 0 && first < end)
+        return text.substr(first, text.find(text[first - 1], first) - first);
+    }
+    return "";
   };
   FileUnit unit;
   const std::string metres = valueOf("meter");
   std::from_chars(metres.data(), metres.data() + metres.size(), unit.metres);
-  if (!std::isfinite(unit.metres) || unit.metres <= 0) return {};
+  if (!std::isfinite(unit.metres) || unit.metres <= 0) {
+    unit.name = valueOf("name");
+    unit.metres = unit.name == "meter" || unit.name == "metre" ? 1 : 0;
+    return unit;
+  }
   unit.name = valueOf("name");
   if (unit.name.empty()) unit.name = "unit of " + metres + " m";
   unit.is_applied = true;
@@ -228,6 +240,15 @@ std::string tailOf(const std::string& file, std::streamoff most) {
   const std::streamoff size = in.tellg();
   in.seekg(std::max<std::streamoff>(0, size - most));
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The last line that is not empty, without blanks before it.
+std::string lastLineOf(const std::string& text) {
+  const size_t last = text.find_last_not_of(" \t\r\n");
+  if (last == std::string::npos) return "";
+  const size_t before = text.find_last_of("\r\n", last);
+  const size_t first = text.find_first_not_of(" \t", before == std::string::npos ? 0 : before + 1);
+  return text.substr(first, last + 1 - first);
 }
 
 /// Whether a PLY file of text has fewer lines than its header announces. assimp reads the part that
@@ -318,7 +339,7 @@ bool endsTooEarly(const std::string& file) {
   // The comment of a binary STL file may begin with the word, too.
   if (extension == ".stl")
     return begin.rfind("solid", 0) == 0 && begin.find("facet") != std::string::npos &&
-           lacks("endsolid");
+           lastLineOf(tailOf(file, kTail)).rfind("endsolid", 0) != 0;
   return extension == ".ply" && textPlyEndsTooEarly(file);
 }
 

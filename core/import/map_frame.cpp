@@ -35,7 +35,7 @@ Eigen::Vector3d farPart(const std::vector<Eigen::Vector3d>& points, double far) 
     is_far = is_far || (std::abs(middle[k]) > far && std::abs(middle[k]) > 2 * half);
   }
   if (!is_far) return Eigen::Vector3d::Zero();
-  return (middle / kRound).array().round().matrix() * kRound;
+  return ((middle / kRound).array().round() * kRound + 0.0).matrix();  // no minus before a zero
 }
 
 Eigen::Affine3d mapTransform(const MapParameters& params, double scale) {

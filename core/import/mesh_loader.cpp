@@ -100,40 +100,37 @@ void dropUnusedVertices(RawModel* model) {
     for (uint32_t& vertex : line) use(&vertex);
   if (count == 0) return;  // an error that weldMesh() tells
   std::vector<Eigen::Vector3d> used(count);
+  std::vector<float> rounding(count);
   for (size_t i = 0; i < number.size(); ++i)
-    if (number[i] != kUnused) used[number[i]] = model->vertices[i];
+    if (number[i] != kUnused) {
+      used[number[i]] = model->vertices[i];
+      rounding[number[i]] = model->rounding[i];
+    }
   model->vertices = std::move(used);
-}
-
-/// Rounding error of a usual vertex, in units of the vertices. Half of them have a smaller one.
-double roundingOf(const RawModel& model) {
-  constexpr double kPrecision = 1.2e-7;  // of single precision
-  std::vector<double> distance;
-  distance.reserve(model.vertices.size());
-  for (const Eigen::Vector3d& v : model.vertices)
-    if (v.allFinite()) distance.push_back((v - model.shift).cwiseAbs().maxCoeff());
-  if (distance.empty()) return 0;
-  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
-  std::nth_element(distance.begin(), middle, distance.end());
-  return kPrecision * *middle;
+  model->rounding = std::move(rounding);
 }
 
 /// @throws InputError when the vertices are too coarse. @param scale metres per unit of them.
 /// @return a warning, or an empty text.
 std::string coarseness(const RawModel& model, double scale, const std::string& file) {
-  const double rounding = scale * roundingOf(model);
   constexpr double kBad = 0.01, kNoticed = 0.001;  // m
-  if (rounding <= kNoticed) return "";
-  std::string text =
-      "the file is so far from its origin that its coordinates are rounded to " +
-      std::to_string(std::lround(1000 * std::min(rounding, 1e6))) +
-      " mm. Move the model near the origin, or export it as OBJ or as PLY in double precision";
-  if (!model.shift.isZero())
-    text = "the chosen objects are so far from most of the file's vertices, at " +
-           metresText(scale * model.shift) + ", that their coordinates are rounded to " +
-           std::to_string(std::lround(1000 * std::min(rounding, 1e6))) +
-           " mm. Export them to a file of their own";
-  if (rounding > kBad) throw InputError(file + ": " + text);
+  std::vector<float> rounding = model.rounding;
+  if (rounding.empty()) return "";
+  const auto coarse = std::count_if(rounding.begin(), rounding.end(), [&](float r) {
+    return scale * static_cast<double>(r) > kNoticed;
+  });
+  if (coarse == 0) return "";
+  const double most =
+      scale * static_cast<double>(*std::max_element(rounding.begin(), rounding.end()));
+  const auto middle = rounding.begin() + static_cast<std::ptrdiff_t>(rounding.size() / 2);
+  std::nth_element(rounding.begin(), middle, rounding.end());
+  const std::string text =
+      std::to_string(coarse) + " of " + std::to_string(rounding.size()) +
+      " vertices are rounded, by up to " + std::to_string(std::lround(1000 * std::min(most, 1e6))) +
+      " mm, since they are far from the origin of the file or from most of its vertices. Export "
+      "the "
+      "objects to a file of their own, near its origin or as OBJ or PLY in double precision";
+  if (scale * static_cast<double>(*middle) > kBad) throw InputError(file + ": " + text);
   return text;
 }
 
@@ -238,6 +235,15 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
         "the file ends too early. Was it cut off? Then a part of the model is missing");
   addUnit(unit, params.scale, &mesh.report);
   if (!origin.isZero()) warnings.push_back(originNote(origin));
+  const double reach =
+      static_cast<double>(mesh.lowest.cwiseAbs().cwiseMax(mesh.highest.cwiseAbs()).maxCoeff());
+  constexpr double kFarFromOrigin = 8000;  // m, where single precision is good to 1 mm
+  if (reach > kFarFromOrigin)
+    warnings.push_back(
+        "the model reaches " + std::to_string(std::lround(reach / 1000)) +
+        " km from the map's origin, where coordinates are rounded to " +
+        std::to_string(std::lround(1.2e-4 * reach)) +
+        " mm. Is an object far away (map.exclude), or map.origin far from the model?");
   if (up_axis >= 0 && up_axis < 2)
     warnings.push_back(std::string("the file says that its ") + "xyz"[up_axis] + " axis is up. " +
                        (up_axis == 1 ? "map.roll_deg=90" : "map.pitch_deg=-90") +

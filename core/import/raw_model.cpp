@@ -72,7 +72,8 @@ bool isConsistent(const RawModel& m) {
   const auto each = [](const std::vector<uint32_t>& numbers, size_t limit) {
     return std::all_of(numbers.begin(), numbers.end(), [&](uint32_t i) { return i < limit; });
   };
-  return m.triangle_material.size() == m.triangles.size() &&
+  return m.rounding.size() == m.vertices.size() &&
+         m.triangle_material.size() == m.triangles.size() &&
          m.triangle_object.size() == m.triangles.size() && m.line_object.size() == m.lines.size() &&
          below(m.triangles, m.vertices.size()) && below(m.lines, m.vertices.size()) &&
          each(m.triangle_material, m.material_colors.size()) &&
@@ -97,7 +98,7 @@ bool writeRawModel(const RawModel& m, std::FILE* file) {
   w.text(m.unit_name);
   w.number(m.up_axis);
   w.number(m.in_metres);
-  for (int k = 0; k < 3; ++k) w.number(m.shift[k]);
+  w.list(m.rounding);
   w.number(m.empty_faces);
   w.number(kMark);
   return w.good && std::fflush(file) == 0;
@@ -123,7 +124,7 @@ bool readRawModel(std::FILE* file, RawModel* m) {
   r.text(&m->unit_name);
   r.number(&m->up_axis);
   r.number(&m->in_metres);
-  for (int k = 0; k < 3; ++k) r.number(&m->shift[k]);
+  r.list(&m->rounding);
   r.number(&m->empty_faces);
   r.number(&mark);
   return r.good && mark == kMark && isConsistent(*m);

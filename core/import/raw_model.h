@@ -24,8 +24,8 @@ struct RawModel {
   std::string unit_name;             ///< of a unit that is not the metre
   bool in_metres = false;            ///< the reader has applied the unit
   int32_t up_axis = -1;  ///< axis that the file calls up: 0 x, 1 y, 2 z; -1: it does not say
-  /// Was subtracted before the vertices were rounded to single precision, in units of the vertices.
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  /// Error of every vertex by rounding to single precision, in units of the vertices.
+  std::vector<float> rounding;
   uint64_t empty_faces = 0;
 };
 

@@ -134,11 +134,16 @@ class SceneParts {
   }
 
   void appendMesh(const aiMesh& mesh, uint32_t object, const Eigen::Affine3d& to_root) {
+    constexpr float kPrecision = 1.2e-7f;  // of single precision
+    const auto scale = static_cast<float>(to_root.linear().norm() / std::sqrt(3.0));
+    const auto of_transform = static_cast<float>(to_root.translation().cwiseAbs().maxCoeff());
     const auto offset = static_cast<uint32_t>(model_->vertices.size());
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& v = mesh.mVertices[i];
       model_->vertices.push_back(to_file_ * (to_root * Eigen::Vector3d(v.x, v.y, v.z)) +
                                  to_file_ * (to_root.linear() * shift_));
+      const float largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+      model_->rounding.push_back(kPrecision * std::max(scale * largest, of_transform));
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
@@ -211,17 +216,14 @@ std::string reasonOf(const Assimp::Importer& importer) {
   return reason.empty() ? "assimp gives no reason; the file is broken or empty" : reason;
 }
 
-}  // namespace
-
-RawModel readScene(const std::string& file) {
+/// Reads a file as it is, or with the contents and the shift of `shifted`.
+RawModel readParts(const std::string& file, const FileUnit& unit,
+                   std::optional<ShiftedFile> shifted) {
   const std::string extension = extensionOf(file);
-  if (extension == ".ply") checkPlyHeader(file);
   RawModel model;
-  const FileUnit unit = statedUnit(file);
   model.unit = unit.metres;
   model.unit_name = unit.name;
   model.in_metres = unit.is_applied;
-  std::optional<ShiftedFile> shifted = shiftedNearOrigin(file);
   const Eigen::Vector3d shift = shifted ? shifted->shift : Eigen::Vector3d::Zero();
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -253,15 +255,41 @@ RawModel readScene(const std::string& file) {
     throw InputError(file + ": not readable as a 3D model: " + reasonOf(importer));
   readMaterials(*scene, &model);
   if (extension == ".fbx") readFbxFacts(*scene, &model);
-  // In an IFC file the far points are the placement of the site or of all bodies, so that the shift
-  // is one of the whole model. assimp has made metres of its coordinates.
+  // In an IFC file the far points are placements. assimp has made metres of its coordinates.
   const bool is_ifc = extension == ".ifc";
-  model.shift = (unit.is_applied ? unit.metres : 1) * shift;
   SceneParts(*scene, fileAxes(extension), is_ifc ? Eigen::Vector3d::Zero() : shift, &model)
       .append(*scene->mRootNode, Eigen::Affine3d::Identity());
   if (is_ifc)
-    for (Eigen::Vector3d& v : model.vertices) v += model.shift;
+    for (Eigen::Vector3d& v : model.vertices) v += (unit.is_applied ? unit.metres : 1) * shift;
   return model;
+}
+
+/// Whether all vertices have the same place within the errors of rounding.
+bool isSamePlace(const RawModel& a, const RawModel& b) {
+  if (a.vertices.size() != b.vertices.size()) return false;
+  for (size_t i = 0; i < a.vertices.size(); ++i) {
+    // Placements are multiplied, so their errors add up.
+    constexpr double kErrors = 20;
+    const double most = kErrors * static_cast<double>(a.rounding[i] + b.rounding[i]) + 1e-3;
+    if (!((a.vertices[i] - b.vertices[i]).cwiseAbs().maxCoeff() <= most)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+RawModel readScene(const std::string& file) {
+  const std::string extension = extensionOf(file);
+  if (extension == ".ply") checkPlyHeader(file);
+  const FileUnit unit = statedUnit(file);
+  std::optional<ShiftedFile> shifted = shiftedNearOrigin(file);
+  const bool is_far = shifted && !shifted->shift.isZero();
+  RawModel model = readParts(file, unit, std::move(shifted));
+  if (!is_far || extension != ".ifc") return model;
+  // A far point of an IFC file may be the placement of the site, of one object, of a rotated child
+  // or of nothing. Only when the shift has moved all objects alike is it one of the model.
+  RawModel as_it_is = readParts(file, unit, std::nullopt);
+  return isSamePlace(model, as_it_is) ? std::move(model) : std::move(as_it_is);
 }
 
 }  // namespace edge_mcl

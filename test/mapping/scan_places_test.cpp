@@ -7,9 +7,15 @@
 namespace edge_mcl {
 namespace {
 
+std::vector<Eigen::Vector3d> spreadPlaces(const Eigen::Vector3d& high) {
+  std::vector<Eigen::Vector3d> places;
+  forSpreadPlaces({0, 0, 0}, high, 0.5, [&](const Eigen::Vector3d& p) { places.push_back(p); });
+  return places;
+}
+
 /// The grid of 10 x 6 x 2 corners, each once. The first ones are eight spacings apart.
 TEST(SpreadPlaces, CoverABoxAndBeginFarApart) {
-  const std::vector<Eigen::Vector3d> places = spreadPlaces({0, 0, 0}, {5, 3, 1}, 0.5);
+  const std::vector<Eigen::Vector3d> places = spreadPlaces({5, 3, 1});
   ASSERT_EQ(places.size(), 10u * 6 * 2);
   for (size_t i = 0; i < places.size(); ++i) {
     EXPECT_GT(places[i].minCoeff(), 0);
@@ -21,7 +27,7 @@ TEST(SpreadPlaces, CoverABoxAndBeginFarApart) {
 }
 
 TEST(SpreadPlaces, ABoxOfLessThanHalfASpacingHasNone) {
-  EXPECT_TRUE(spreadPlaces({0, 0, 0}, {0.1, 0.1, 0.1}, 0.5).empty());
+  EXPECT_TRUE(spreadPlaces({0.1, 0.1, 0.1}).empty());
 }
 
 std::vector<SurfacePiece> wall(float x, float distance, float facing) {

@@ -24,7 +24,7 @@ RawModel example() {
   model.unit_name = "foot";
   model.up_axis = 1;
   model.in_metres = true;
-  model.shift = {100, -200, 300};
+  model.rounding = {1e-4f, 0, 3};
   model.empty_faces = 7;
   return model;
 }
@@ -48,7 +48,7 @@ TEST(RawModel, ReadsWhatItHasWritten) {
   EXPECT_EQ(read.unit_name, written.unit_name);
   EXPECT_EQ(read.up_axis, written.up_axis);
   EXPECT_EQ(read.in_metres, written.in_metres);
-  EXPECT_EQ(read.shift, written.shift);
+  EXPECT_EQ(read.rounding, written.rounding);
   EXPECT_EQ(read.empty_faces, written.empty_faces);
 }
 
