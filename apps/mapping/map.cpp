@@ -241,7 +241,8 @@ void addMap(CLI::App* app, Action* action) {
   c->add_option("--topics", o->topics, "topics of a bag, as for localize");
   c->add_option("--camera", o->camera, "YAML file with the camera of a rawlog, as for localize");
   c->add_option("--min-views", o->min_views,
-                "images (of a scan: places) that must agree on a line; default: 4");
+                "images (of a scan: places) that must agree on a line; default: 4")
+      ->check(numberFrom(1, 1000));
   c->add_option("--face-size", o->face_size, "size of the hiding faces, m; default: 0.05")
       ->check(numberFrom(0.005, 5));
   c->add_option("--spacing", o->spacing,

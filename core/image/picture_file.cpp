@@ -26,12 +26,11 @@ std::string noFormat(const std::string& file) {
 }  // namespace
 
 bool isPictureName(const std::string& file) {
-  if (std::filesystem::path(file).extension().empty()) return false;
-  try {
-    return cv::haveImageWriter(file);
-  } catch (const cv::Exception&) {
-    return false;
-  }
+  // Some formats of OpenCV take grey pictures only, or have to be switched on.
+  const cv::Mat picture(8, 8, CV_8UC3, cv::Scalar(0, 0, 0));
+  const std::string ending = std::filesystem::path(file).extension().string();
+  std::vector<uchar> bytes;
+  return !ending.empty() && encode(ending, picture, {}, &bytes);
 }
 
 void requirePictureName(const std::string& file) {

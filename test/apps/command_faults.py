@@ -315,9 +315,10 @@ def maps(c, source):
     lines = os.path.join(c.folder, 'line.obj')
     write(lines, 'v 0 0 0\nv 1 0 0\nl 1 2\n')
     expect(c, 'map of lines', INPUT, ('no faces',), 'map', lines, '--out', out)
-    for wrong in (('--spacing', 'nan'), ('--spacing', '0'), ('--face-size', '-1')):
+    for wrong in (('--spacing', 'nan'), ('--spacing', '0'), ('--face-size', '-1'), ('--min-views', '-3')):
         expect(c, 'map with %s %s' % wrong, USAGE, (wrong[0], 'not a number from'), 'map', office, '--out', out, *wrong)
-    expect(c, 'map with a GIF', INPUT, ('x.gif',), 'map', office, '--out', out, '--picture', 'x.gif')
+    for picture in ('x.gif', 'x.pbm', 'x.exr', 'x'):
+        expect(c, 'map with ' + picture, INPUT, (picture + ': cannot',), 'map', 'missing.obj', '--out', out, '--picture', picture)
     empty = os.path.join(c.folder, 'empty.txt')
     write(empty, '# no pose\n')
     expect(c, 'map with empty poses', INPUT, ('empty.txt', 'no pose'), 'map', sequence, '--poses', empty, '--out', out)
