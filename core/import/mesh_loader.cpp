@@ -124,7 +124,7 @@ std::string coarseness(const RawModel& model, double scale, const std::string& f
       scale * static_cast<double>(*std::max_element(rounding.begin(), rounding.end()));
   const auto middle = rounding.begin() + static_cast<std::ptrdiff_t>(rounding.size() / 2);
   std::nth_element(rounding.begin(), middle, rounding.end());
-  const std::string text =
+  std::string text =
       std::to_string(coarse) + " of " + std::to_string(rounding.size()) +
       " vertices are rounded, by up to " + std::to_string(std::lround(1000 * std::min(most, 1e6))) +
       " mm, since they are far from the origin of the file or from most of its vertices. Export "
