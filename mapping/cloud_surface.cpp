@@ -79,7 +79,7 @@ Eigen::Vector3d moveToMap(const MapParameters& params, const std::string& file,
   Eigen::Vector3d origin = mapOrigin(params, *points);
   Eigen::AlignedBox3d box;
   for (Eigen::Vector3d& p : *points) box.extend(p -= origin);
-  const std::string doubt = params.scale > 0 ? "" : sizeDoubt(box.diagonal().norm(), scale);
+  const std::string doubt = params.scale > 0 ? "" : sizeDoubt(box.diagonal().norm());
   if (!doubt.empty()) throw InputError(file + ": " + doubt + ", or to 1 when it is that large");
   return origin;
 }

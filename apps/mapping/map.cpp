@@ -131,12 +131,12 @@ MeshModel scanOf(const std::string& source, const MapParameters& params) {
   constexpr double kCloudSpacing = 0.02;  // m, finer than the noise of most scanners at 5 m
   if (!isPointCloud(source)) {
     MeshModel mesh = loadMesh(source, params);
+    const bool is_unit_known = params.scale > 0 || !mesh.report.unit.empty();
+    const std::string doubt = is_unit_known ? "" : sizeDoubt(mesh.diagonal());
+    // Looking at a room of kilometres from everywhere takes hours.
+    if (!doubt.empty()) throw InputError(source + ": " + doubt + ", or to 1 when it is that large");
     for (const std::string& warning : mesh.report.warnings)
       std::fprintf(stderr, "%s: note: %s\n", source.c_str(), warning.c_str());
-    const std::string doubt = params.scale > 0 ? "" : sizeDoubt(mesh.diagonal(), 1);
-    // Looking at a room of kilometres from everywhere takes hours.
-    if (!doubt.empty() && mesh.report.unit.empty())
-      throw InputError(source + ": " + doubt + ", or to 1 when it is that large");
     return mesh;
   }
   std::fprintf(stderr, "%s: a surface is put through the points\n", source.c_str());

@@ -68,9 +68,9 @@ std::string originNote(const Eigen::Vector3d& origin) {
          " in the file's coordinates, m (see map.origin)";
 }
 
-std::string sizeDoubt(double diagonal, double scale) {
+std::string sizeDoubt(double diagonal) {
   constexpr double kTown = 500;  // m
-  if (scale != 1 || diagonal <= kTown) return "";
+  if (diagonal <= kTown) return "";
   return "the model is " + std::to_string(std::lround(diagonal)) +
          " m across. Is it in centimetres or millimetres? Then set map.scale to 0.01 or 0.001";
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <string>
 #include <vector>
 
 #include "edge_mcl/core/base/measurement_parameters.h"
@@ -28,7 +29,7 @@ std::string metresText(const Eigen::Vector3d& point);
 std::string originNote(const Eigen::Vector3d& origin);
 
 /// Asks for the unit when a model is as large as a town. Empty when its size is usual.
-/// @param diagonal of the model, m. @param scale metres per unit of the file.
-std::string sizeDoubt(double diagonal, double scale);
+/// @param diagonal of the model, m.
+std::string sizeDoubt(double diagonal);
 
 }  // namespace edge_mcl

@@ -128,18 +128,18 @@ std::string coarseness(const RawModel& model, double scale, const std::string& f
       std::to_string(coarse) + " of " + std::to_string(rounding.size()) +
       " vertices are rounded, by up to " + std::to_string(std::lround(1000 * std::min(most, 1e6))) +
       " mm, since they are far from the origin of the file or from most of its vertices. Export "
-      "the "
-      "objects to a file of their own, near its origin or as OBJ or PLY in double precision";
+      "their objects to another file, near its origin or as OBJ or PLY in double precision";
   if (scale * static_cast<double>(*middle) > kBad) throw InputError(file + ": " + text);
   return text;
 }
 
-void addSizeWarnings(double scale, MeshModel* mesh) {
+/// @param is_unit_known whether the file or the user says what a unit of the file is.
+void addSizeWarnings(bool is_unit_known, MeshModel* mesh) {
   std::vector<std::string>& warnings = mesh->report.warnings;
   const double diagonal = mesh->diagonal();
   if (diagonal < 0.02)
     warnings.emplace_back("the model is less than 2 cm across. Is map.scale right?");
-  const std::string doubt = sizeDoubt(diagonal, scale);
+  const std::string doubt = is_unit_known ? "" : sizeDoubt(diagonal);
   if (!doubt.empty()) warnings.push_back(doubt);
   const auto count = [&](size_t n, const char* what) {
     if (n > 0) warnings.push_back(std::to_string(n) + what);
@@ -248,7 +248,7 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
     warnings.push_back(std::string("the file says that its ") + "xyz"[up_axis] + " axis is up. " +
                        (up_axis == 1 ? "map.roll_deg=90" : "map.pitch_deg=-90") +
                        " makes z the upward axis");
-  addSizeWarnings(of_file, &mesh);
+  addSizeWarnings(params.scale > 0 || of_file != 1, &mesh);
   return mesh;
 }
 

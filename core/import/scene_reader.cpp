@@ -143,7 +143,9 @@ class SceneParts {
       model_->vertices.push_back(to_file_ * (to_root * Eigen::Vector3d(v.x, v.y, v.z)) +
                                  to_file_ * (to_root.linear() * shift_));
       const float largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-      model_->rounding.push_back(kPrecision * std::max(scale * largest, of_transform));
+      const float rounding = kPrecision * std::max(scale * largest, of_transform);
+      // A vertex that is not finite is an error that others tell.
+      model_->rounding.push_back(std::isfinite(rounding) ? rounding : 0);
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
