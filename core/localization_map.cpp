@@ -41,6 +41,7 @@ void LocalizationMap::build(const std::string& model_file) {
   DistanceField::Options options;
   options.truncation = params_.depth.truncation;
   options.voxel_size = params_.depth.voxel_size;
+  options.most_bytes = 1e6 * params_.depth.field_megabytes;
   std::string warning;
   auto field = std::make_shared<DistanceField>(
       params_.depth.store_field && !model_file.empty()

@@ -94,7 +94,7 @@ struct MapParameters {
 /// Hidden-line removal.
 struct VisibilityParameters {
   double cell_size = 0;
-  int cache_cells = 4096;
+  double cache_megabytes = 256;
   double occlusion_tolerance = 0;
 
   template <class Visitor>
@@ -102,8 +102,8 @@ struct VisibilityParameters {
     v("cell_size", cell_size, "m", notNegative(),
       "size of the cells of space in which all camera positions share one visible set; 0 = "
       "automatic");
-    v("cache_cells", cache_cells, "", atLeast(1),
-      "number of cells kept; the least recently used one is dropped");
+    v("cache_megabytes", cache_megabytes, "MB", positive(),
+      "most memory for visible sets of cells; the least recently used one is dropped");
     v("occlusion_tolerance", occlusion_tolerance, "m", notNegative(),
       "a surface closer to a sample than this does not hide it; 0 = automatic");
   }
@@ -214,6 +214,7 @@ struct DepthParameters {
   double truncation = 0.3;
   double voxel_size = 0;
   bool store_field = true;
+  double field_megabytes = 256;
   int points = 500;
   double min_range = 0.3;
   double max_range = 8;
@@ -231,6 +232,8 @@ struct DepthParameters {
       "grid size of the distance field; 0 = automatic: 4 cm, larger in large models");
     v("store_field", store_field, "", anyValue(),
       "the distance field is kept on disk, beside the model or in the user's cache directory");
+    v("field_megabytes", field_megabytes, "MB", from(1, 100000),
+      "most memory for the distance field; automatic voxels grow until it is enough");
     v("points", points, "", from(10, 1000000), "number of points taken from a depth image");
     v("min_range", min_range, "m", notNegative(), "smaller depths are not used");
     v("max_range", max_range, "m", notNegative(), "larger depths are not used");

@@ -105,7 +105,9 @@ DistanceField::DistanceField(const MeshModel& mesh, const Options& options)
         (mesh.highest - mesh.lowest).cast<double>() + Eigen::Vector3d::Constant(2 * reach);
     if (layOut(faces, origin_, extent, voxel_size_, reach, options.most_bytes, &layout)) break;
     if (options.voxel_size > 0)
-      throw InputError("depth.voxel_size is too small for a model of this size");
+      throw InputError(
+          "depth.voxel_size is too small for a model of this size: the field needs more than "
+          "depth.field_megabytes");
   }
   std::copy_n(layout.bricks, 3, bricks_);
   brick_of_ = std::move(layout.brick_of);

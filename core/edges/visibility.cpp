@@ -238,8 +238,13 @@ std::shared_ptr<const VisibleSet> Visibility::cached(const CellKey& cell) const 
   if (!fresh) return it->second.set;
   cache.by_age.push_front(cell);
   it->second = {set, cache.by_age.begin()};
-  while (cache.cells.size() > static_cast<size_t>(params_.cache_cells)) {
-    cache.cells.erase(cache.by_age.back());
+  cache.statistics.bytes += set->bytes();
+  // The newest cell is kept whatever its size, since somebody asks for it now.
+  while (static_cast<double>(cache.statistics.bytes) > 1e6 * params_.cache_megabytes &&
+         cache.cells.size() > 1) {
+    const auto oldest = cache.cells.find(cache.by_age.back());
+    cache.statistics.bytes -= oldest->second.set->bytes();
+    cache.cells.erase(oldest);
     cache.by_age.pop_back();
     ++cache.statistics.dropped;
   }

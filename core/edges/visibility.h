@@ -31,6 +31,8 @@ struct VisibleSet {
   uint32_t group_count = 0;       ///< groups with at least one visible sample
   size_t sample_count = 0;        ///< visible samples
 
+  /// Memory of the set, bytes.
+  size_t bytes() const { return sizeof(VisibleSet) + segments.capacity() * sizeof(Segment); }
   const EdgeSegment& edgeSegment(const Segment& s) const { return model->segments[s.index]; }
   const EdgeLine& line(const Segment& s) const { return model->lines[edgeSegment(s).line]; }
   /// Whether segment number k of the set is the last of its group (the line of equation (2)).
@@ -97,10 +99,11 @@ class Visibility {
   double occlusionTolerance() const { return tolerance_; }
   const EdgeModel& model() const { return model_; }
 
-  /// Calls of cached() that found or missed a cell, cells dropped, and cells in the cache now.
+  /// Calls of cached() that found or missed a cell, cells dropped, and cells and bytes in the cache
+  /// now.
   struct CacheStatistics {
     uint64_t hits = 0, misses = 0, dropped = 0;
-    size_t cells = 0;
+    size_t cells = 0, bytes = 0;
   };
   CacheStatistics statistics() const;
 

@@ -282,6 +282,11 @@ std::string extensionOf(const std::string& file) {
   return extension;
 }
 
+bool isCadFile(const std::string& file) {
+  static const std::array<std::string_view, 5> kCad{".step", ".stp", ".iges", ".igs", ".brep"};
+  return std::find(kCad.begin(), kCad.end(), extensionOf(file)) != kCad.end();
+}
+
 void requireReadableFormat(const std::string& file) {
   struct Format {
     const char *extension, *name, *way;
@@ -289,21 +294,21 @@ void requireReadableFormat(const std::string& file) {
   static constexpr const char* kFreeCad = "FreeCAD opens it and exports an OBJ file";
   static constexpr const char* kOwnProgram =
       "export an IFC2x3, FBX or OBJ file from the program that wrote it";
-  static const std::array<Format, 14> kForeign{{{".step", "a STEP file", kFreeCad},
-                                                {".stp", "a STEP file", kFreeCad},
-                                                {".iges", "an IGES file", kFreeCad},
-                                                {".igs", "an IGES file", kFreeCad},
-                                                {".brep", "an OpenCASCADE file", kFreeCad},
-                                                {".fcstd", "a FreeCAD file", kFreeCad},
-                                                {".rvt", "a Revit file", kOwnProgram},
-                                                {".pln", "an ArchiCAD file", kOwnProgram},
-                                                {".skp", "a SketchUp file", kOwnProgram},
-                                                {".dwg", "a DWG file", kOwnProgram},
-                                                {".3dm", "a Rhino file", kOwnProgram},
-                                                {".max", "a 3ds Max file", kOwnProgram},
-                                                {".usd", "a USD file", kOwnProgram},
-                                                {".usdz", "a USD file", kOwnProgram}}};
+  static const std::array<Format, 9> kForeign{{{".fcstd", "a FreeCAD file", kFreeCad},
+                                               {".rvt", "a Revit file", kOwnProgram},
+                                               {".pln", "an ArchiCAD file", kOwnProgram},
+                                               {".skp", "a SketchUp file", kOwnProgram},
+                                               {".dwg", "a DWG file", kOwnProgram},
+                                               {".3dm", "a Rhino file", kOwnProgram},
+                                               {".max", "a 3ds Max file", kOwnProgram},
+                                               {".usd", "a USD file", kOwnProgram},
+                                               {".usdz", "a USD file", kOwnProgram}}};
   const std::string extension = extensionOf(file);
+#ifndef EDGE_MCL_HAS_OCCT
+  if (isCadFile(file))
+    throw InputError(
+        file + ": this build has no OpenCASCADE, which reads STEP, IGES and BREP: " + kFreeCad);
+#endif
   for (const Format& f : kForeign)
     if (extension == f.extension)
       throw InputError(file + ": this is " + f.name + ", which cannot be read here: " + f.way);
@@ -333,7 +338,8 @@ bool endsTooEarly(const std::string& file) {
     return tailOf(file, kTail).find(mark) == std::string::npos;
   };
   const std::string begin = textOf(file, 512);
-  if (extension == ".ifc") return lacks("END-ISO-10303-21");
+  if (extension == ".ifc" || extension == ".step" || extension == ".stp")
+    return lacks("END-ISO-10303-21");
   // A binary DXF has no line of text at its end.
   if (extension == ".dxf") return begin.rfind("AutoCAD Binary DXF", 0) != 0 && lacks("EOF");
   // The comment of a binary STL file may begin with the word, too.

@@ -15,13 +15,16 @@ struct FileUnit {
 /// Extension of a file in lower case, with its dot.
 std::string extensionOf(const std::string& file);
 
+/// Whether a file is of a format that OpenCASCADE reads: STEP, IGES, BREP.
+bool isCadFile(const std::string& file);
+
 /// Checks before import that the format can be read.
 /// @throws InputError for a format or an IFC schema that no importer here reads, with a way to
 ///   convert the file.
 void requireReadableFormat(const std::string& file);
 
 /// Whether a file was cut off, as by a download that broke: it lacks the mark at the end of its
-/// format (IFC, DXF, STL of text), or has fewer lines than it announces (PLY of text).
+/// format (IFC, STEP, DXF, STL of text), or has fewer lines than it announces (PLY of text).
 bool endsTooEarly(const std::string& file);
 
 /// Reads the unit of an IFC file, where assimp ignores units such as foot and inch, of a DXF file

@@ -23,7 +23,6 @@
 #include <thread>
 
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/import/scene_reader.h"
 
 extern char** environ;
 
@@ -175,14 +174,15 @@ RawModel importModel(const std::string& file, const ImportLimits& limits) {
     throw InputError(file + ": the import needs more than " + numberText(gigabytes) +
                      " GB of memory (see map.import_gigabytes)");
   if (end == End::kKilled)
-    throw InputError(file + ": the importer (assimp) crashed on this file (" + strsignal(signal) +
-                     "). The file is broken, or it uses a part of its format that assimp does not "
-                     "know. Export it as OBJ");
+    throw InputError(file + ": the importer crashed on this file (" + strsignal(signal) +
+                     "). The file is broken, or it uses a part of its format that the importer "
+                     "does not know. Export it as OBJ");
   if (reason == "incomplete") throw InputError(file + ": the importer ended without a result");
   throw InputError(oneLine(reason));
 }
 
-void runImporter(const std::string& file, int descriptor, uint64_t bytes_of_memory) {
+void runImporter(const std::string& file, int descriptor, uint64_t bytes_of_memory,
+                 const std::function<RawModel(const std::string&)>& read) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for the result when the parent has ended
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
@@ -199,7 +199,7 @@ void runImporter(const std::string& file, int descriptor, uint64_t bytes_of_memo
     _exit(1);
   };
   try {
-    const RawModel model = readScene(file);
+    const RawModel model = read(file);
     std::fputc(kModelFollows, output);
     if (!writeRawModel(model, output)) fail("memory");
   } catch (const std::bad_alloc&) {

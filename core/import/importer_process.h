@@ -1,6 +1,7 @@
 /// Import of a model file in a process of its own.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "edge_mcl/core/import/raw_model.h"
@@ -21,7 +22,8 @@ RawModel importModel(const std::string& file, const ImportLimits& limits);
 
 /// The child's side: reads the file and writes the model, or the reason why there is none, to a
 /// file descriptor. It does not return.
-/// @param descriptor of an empty file.
-[[noreturn]] void runImporter(const std::string& file, int descriptor, uint64_t bytes_of_memory);
+/// @param descriptor of an empty file. @param read reads the file.
+[[noreturn]] void runImporter(const std::string& file, int descriptor, uint64_t bytes_of_memory,
+                              const std::function<RawModel(const std::string&)>& read);
 
 }  // namespace edge_mcl

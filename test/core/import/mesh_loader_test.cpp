@@ -80,7 +80,7 @@ TEST(MeshLoader, WhatCannotBeReadIsNamedWithAWayOn) {
       "new.ifc", replaced(textOf(EDGE_MCL_TEST_DATA "box.ifc"), "'IFC2X3'", "'IFC4X3_ADD2'"));
   EXPECT_NE(errorOf(ifc4).find("IFC4X3_ADD2"), std::string::npos);
   EXPECT_NE(errorOf(ifc4).find("IfcConvert"), std::string::npos);
-  EXPECT_NE(errorOf(writeFile("a.STEP", "ISO-10303-21;")).find("FreeCAD"), std::string::npos);
+  EXPECT_NE(errorOf(writeFile("a.FCStd", "PK")).find("exports an OBJ"), std::string::npos);
   const std::string strips = writeFile("strips.ply",
                                        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                                        "element tristrips 1\nproperty list int int vertex_indices\n"
