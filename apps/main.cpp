@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   Action action;
   addLocalize(&app, &action);
   addInspect(&app, &action);
+  addWhere(&app, &action);
   addMap(&app, &action);
   addAudit(&app, &action);
   addEvaluate(&app, &action);
@@ -45,6 +46,7 @@ int main(int argc, char** argv) {
   addDetect(&app, &action);
   addSimulate(&app, &action);
   addTrials(&app, &action);
+  addImageTrials(&app, &action);
   addCompare(&app, &action);
   addView(&app, &action);
   addBench(&app, &action);

@@ -30,6 +30,7 @@ LocalizationMap::LocalizationMap(MeshModel mesh, const Parameters& params) : par
 }
 
 void LocalizationMap::build(const std::string& model_file) {
+  model_file_ = model_file;
   if (!params_.map.confidence.empty())
     leaveOutDoubted(readAuditTable(params_.map.confidence), params_.map.min_confidence,
                     mesh_.get());
@@ -123,6 +124,26 @@ std::shared_ptr<const SearchPlaces> LocalizationMap::searchPlaces() const {
   if (!search_->places)
     search_->places = std::make_shared<SearchPlaces>(*freeSpace(), *visibility_, params_.search);
   return search_->places;
+}
+
+std::shared_ptr<const PreparedPlaces> LocalizationMap::preparedPlaces(
+    const PreparedPlaces::Progress& progress) const {
+  const std::lock_guard<std::mutex> lock(search_->prepared_mutex);
+  if (search_->is_prepared) return search_->prepared;
+  const SearchParameters& p = params_.search;
+  if (const auto axes = p.prepared ? buildingAxes(*edges_) : std::nullopt) {
+    const auto make = [&] {
+      return PreparedPlaces(*freeSpace(), *visibility_, p, *axes, progress);
+    };
+    std::string warning;  // a search that takes longer at its next start is not worth a message
+    search_->prepared = std::make_shared<const PreparedPlaces>(
+        p.store_places && !model_file_.empty()
+            ? storedPreparedPlaces(model_file_, PreparedPlaces::hashOf(*mesh_, *edges_, p), make,
+                                   &warning)
+            : make());
+  }
+  search_->is_prepared = true;
+  return search_->prepared;
 }
 
 uint32_t LocalizationMap::thinningFor(const CameraView& view, const Pose& base_pose,

@@ -18,6 +18,7 @@
 #include "edge_mcl/core/image/image_edges.h"
 #include "edge_mcl/core/likelihood/cpu_backend.h"
 #include "edge_mcl/core/mesh/mesh_model.h"
+#include "edge_mcl/core/places/prepared_places.h"
 #include "edge_mcl/core/places/search_places.h"
 #include "edge_mcl/core/pose_refiner.h"
 
@@ -99,6 +100,14 @@ class LocalizationMap {
   /// @throws InputError, see SearchPlaces.
   std::shared_ptr<const SearchPlaces> searchPlaces() const;
 
+  /// What places see, for a search that compares an image with all of them. Null when
+  /// `search.prepared` is false or the building has no right angles. The first call reads them from
+  /// disk or computes them, which takes up to a minute. Safe to call from several threads.
+  /// @param progress of the computation, called from any thread.
+  /// @throws InputError, see PreparedPlaces.
+  std::shared_ptr<const PreparedPlaces> preparedPlaces(
+      const PreparedPlaces::Progress& progress = {}) const;
+
   /// Thinning at which about `most` visible samples are inside the image. It is 1 without an image.
   /// @param base_pose T_map_base.
   /// @param most 0 = all samples.
@@ -135,6 +144,7 @@ class LocalizationMap {
                           const std::optional<PoseGaussian>& prior,
                           const RefinementEffort& effort) const;
   Parameters params_;
+  std::string model_file_;  // empty for a mesh in memory
   // Pointers keep mesh and edges in place when the map is moved, because Visibility refers to them.
   std::unique_ptr<MeshModel> mesh_;
   std::unique_ptr<EdgeModel> edges_;
@@ -150,9 +160,11 @@ class LocalizationMap {
   std::unique_ptr<PoseRefiner> refiner_;
   std::shared_ptr<const DepthLikelihood> depth_;
   struct LazySearch {
-    std::mutex space_mutex, places_mutex;
+    std::mutex space_mutex, places_mutex, prepared_mutex;
+    bool is_prepared = false;
     std::shared_ptr<const FreeSpace> space;
     std::shared_ptr<const SearchPlaces> places;
+    std::shared_ptr<const PreparedPlaces> prepared;
   };
   std::unique_ptr<LazySearch> search_ = std::make_unique<LazySearch>();
 };

@@ -24,7 +24,7 @@ RANKS = [
     ['gpu/check', 'gpu/backend'],
     ['sim', 'detector', 'mapping'],
     ['detector/training', 'audit'],
-    ['localization/filter'],
+    ['localization/filter', 'localization/lookup'],
     ['localization/search'],
     ['localization/tracking'],
     ['localization/recorded'],

@@ -97,19 +97,6 @@ std::pair<double, double> parseInitialStd(const std::string& text) {
   return {metres, degrees * M_PI / 180};
 }
 
-/// Reads a direction "x,y,z", e.g. "0,-1,0".
-/// @return a unit vector; none for an empty text.
-/// @throws ParameterError
-std::optional<Eigen::Vector3d> parseUp(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  Eigen::Vector3d up;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &up.x(), &up.y(), &up.z(), &rest) != 3 ||
-      !up.allFinite() || up.norm() < 1e-3)
-    throw ParameterError("--up " + text + ": must be a direction x,y,z");
-  return up.normalized();
-}
-
 /// @throws ParameterError when an option is set that only bags or rawlogs have
 void checkOptionsOfDirectory(const RecordingOptions& o) {
   if (!o.topics.empty() || !o.initial_pose.empty())
@@ -232,6 +219,16 @@ std::unique_ptr<RecordedInput> openBag(const RecordingOptions& o, const Paramete
 }
 
 }  // namespace
+
+std::optional<Eigen::Vector3d> parseUp(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  Eigen::Vector3d up;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &up.x(), &up.y(), &up.z(), &rest) != 3 ||
+      !up.allFinite() || up.norm() < 1e-3)
+    throw ParameterError("--up " + text + ": must be a direction x,y,z");
+  return up.normalized();
+}
 
 std::unique_ptr<RecordedInput> openInput(const RecordingOptions& o) {
   const RecordingKind kind = kindOf(o.recording);

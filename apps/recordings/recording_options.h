@@ -30,6 +30,11 @@ enum class RecordingKind { kDirectory, kBag, kRawlog };
 /// The kind of a recording by the ending of its name: .bag, .rawlog, or a directory.
 RecordingKind kindOf(const std::string& recording);
 
+/// Reads a direction "x,y,z", e.g. "0,-1,0".
+/// @return a unit vector; none for an empty text.
+/// @throws ParameterError
+std::optional<Eigen::Vector3d> parseUp(const std::string& text);
+
 /// Parameters of the method. With `--depth`, likelihood.cues changes from edges to both.
 /// @throws ParameterError, InputError
 Parameters parametersOf(const RecordingOptions& options);

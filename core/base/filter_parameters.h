@@ -150,6 +150,11 @@ struct SearchParameters {
   double enclosure = 0.7;
   double place_spacing = 0.4;
   int max_places = 6000;
+  bool prepared = true;
+  double prepared_spacing = 0.4;
+  double prepared_megabytes = 400;
+  bool store_places = true;
+  int candidates = 800;
   int headings = 48;
   int orientations = 300;
   double tilt_sigma_deg = 2;
@@ -178,6 +183,18 @@ struct SearchParameters {
       "distance between the places that are tried; it grows where there would be more than "
       "max_places");
     v("max_places", max_places, "", from(1, 1000000), "largest number of places that are tried");
+    v("prepared", prepared, "", anyValue(),
+      "what places see is prepared once for a building with right angles, so that a search of the "
+      "whole model takes about a second");
+    v("prepared_spacing", prepared_spacing, "m", from(0.1, 10),
+      "distance between prepared places; it grows where they would need more than "
+      "prepared_megabytes");
+    v("prepared_megabytes", prepared_megabytes, "MB", from(1, 100000),
+      "most memory for prepared places");
+    v("store_places", store_places, "", anyValue(),
+      "prepared places are kept on disk, beside the model or in the user's cache directory");
+    v("candidates", candidates, "", from(10, 1000000),
+      "number of the best poses at prepared places that are refined in the reduced image");
     v("headings", headings, "", from(1, 10000),
       "directions tried per place when roll and pitch are known");
     v("orientations", orientations, "", from(1, 100000),

@@ -11,6 +11,7 @@
 #include "edge_mcl/core/edges/main_directions.h"
 #include "edge_mcl/core/likelihood/cpu_backend.h"
 #include "edge_mcl/localization/filter/mode_proposal.h"
+#include "edge_mcl/localization/lookup/place_lookup.h"
 
 namespace edge_mcl {
 
@@ -76,6 +77,21 @@ std::vector<Item> distinct(std::vector<Item> items, size_t most, double distance
     if (fresh) kept.push_back(std::move(item));
   }
   return kept;
+}
+
+/// Positions within a cube of this side: a grid of three in each direction.
+std::vector<Eigen::Vector3d> positionsInCell(double side) {
+  std::vector<Eigen::Vector3d> steps;
+  for (const int x : {-1, 0, 1})
+    for (const int y : {-1, 0, 1})
+      for (const int z : {-1, 0, 1}) steps.emplace_back(side / 3 * Eigen::Vector3d(x, y, z));
+  return steps;
+}
+
+/// Which places of a lookup count.
+std::function<bool(const Eigen::Vector3d&)> filterOf(const std::optional<SearchRegion>& region) {
+  if (!region) return nullptr;
+  return [r = *region](const Eigen::Vector3d& p) { return (p - r.centre).norm() <= r.radius; };
 }
 
 }  // namespace
@@ -167,8 +183,48 @@ std::vector<Pose> PoseSearch::finish(const std::vector<CameraView>& views, const
   return found;
 }
 
+std::vector<Pose> PoseSearch::lookedUp(const std::vector<CameraView>& views,
+                                       const std::optional<UpReading>& up,
+                                       const std::optional<SearchRegion>& region) {
+  if (!prepared_) prepared_ = map_.preparedPlaces();
+  const auto view = std::find_if(views.begin(), views.end(),
+                                 [](const CameraView& v) { return v.image != nullptr; });
+  if (!prepared_ || view == views.end()) return {};
+  const Pose& T_base_camera = view->T_base_camera;
+  KnownUp known;
+  if (up) {
+    known.up_camera = T_base_camera.linear().transpose() * up->up_base;
+    known.sigma = std::max(up->sigma, map_.params().search.tilt_sigma_deg * kDegree);
+  }
+  const std::vector<LookupPose> poses =
+      lookUp(*prepared_, view->image->edges, view->image->frame.camera, known,
+             static_cast<size_t>(map_.params().search.candidates), filterOf(region));
+  const SmallViews small = reduce(views);
+  const CameraModel& camera = small[static_cast<size_t>(view - views.begin())]->camera;
+  // A refinement from half the distance between places away often fails. So some positions around
+  // each place are compared first, with the lines that are visible from the place.
+  std::vector<Start> starts(poses.size());
+  tbb::parallel_for(size_t{0}, poses.size(), [&](size_t i) {
+    const Pose& T_map_camera = poses[i].T_map_camera;
+    starts[i].visible = visibleInView(map_.visibility(), T_map_camera, camera, small_thinning_);
+    std::vector<Pose> around;
+    for (const Eigen::Vector3d& step : positionsInCell(prepared_->spacing())) {
+      Pose moved = T_map_camera;
+      moved.translation() += step;
+      around.push_back(normalized(moved * T_base_camera.inverse()));
+    }
+    std::vector<double> scores(around.size());
+    score(views, small, false, starts[i].visible, around, scores.data());
+    const auto best = std::max_element(scores.begin(), scores.end());
+    starts[i].pose = around[static_cast<size_t>(best - scores.begin())];
+    starts[i].score = *best;
+  });
+  return finish(views, small, std::move(starts), up);
+}
+
 std::vector<Pose> PoseSearch::everywhere(const std::vector<CameraView>& views,
-                                         const std::optional<UpReading>& up, RandomSource* random) {
+                                         const std::optional<UpReading>& up, RandomSource* random,
+                                         const std::optional<SearchRegion>& region) {
   const SearchParameters& p = map_.params().search;
   if (!places_) places_ = map_.searchPlaces();
   // Without a limit, many orientations at very many places would take minutes.
@@ -178,13 +234,14 @@ std::vector<Pose> PoseSearch::everywhere(const std::vector<CameraView>& views,
       up ? headings
          : std::min(static_cast<size_t>(p.orientations),
                     std::max(headings, kMostPoses / std::max<size_t>(1, places_->places.size())));
-  return everywhere(views, up, per_place, random, [&](size_t i, double phase, RandomSource* own) {
+  const auto rotationOf = [&](size_t i, double phase, RandomSource* own) -> Eigen::Matrix3d {
     // Stratified sampling: one pose in every part of space and heading, at a random point of it.
     const double heading =
         2 * M_PI * (static_cast<double>(i) + phase) / static_cast<double>(per_place);
     return up ? levelRotation(*up, heading, p.tilt_sigma_deg * kDegree, own)
               : uprightRotation(heading, views.front().T_base_camera, own);
-  });
+  };
+  return everywhere(views, up, per_place, random, rotationOf, region);
 }
 
 std::vector<Pose> PoseSearch::everywhere(const std::vector<CameraView>& views,
@@ -199,7 +256,8 @@ std::vector<Pose> PoseSearch::everywhere(const std::vector<CameraView>& views,
 std::vector<Pose> PoseSearch::everywhere(
     const std::vector<CameraView>& views, const std::optional<UpReading>& up, size_t per_place,
     RandomSource* random,
-    const std::function<Eigen::Matrix3d(size_t, double, RandomSource*)>& rotationOf) {
+    const std::function<Eigen::Matrix3d(size_t, double, RandomSource*)>& rotationOf,
+    const std::optional<SearchRegion>& region) {
   if (!places_) places_ = map_.searchPlaces();
   const std::vector<SearchPlaces::Place>& places = places_->places;
   const SearchParameters& p = map_.params().search;
@@ -213,6 +271,7 @@ std::vector<Pose> PoseSearch::everywhere(
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t k) {
     RandomSource own(seeds[k]);
     const SearchPlaces::Place& place = places[k];
+    if (region && (place.position - region->centre).norm() > region->radius) return;
     std::vector<Pose> poses;
     const double phase = own.uniform();
     for (size_t i = 0; i < per_place; ++i) {
