@@ -1,4 +1,4 @@
-/// Internal. A raster of the directions around one axis, on which lines along the axis are easy to
+/// A raster of the directions around one axis, on which lines along the axis are easy to
 /// compare.
 #pragma once
 

@@ -165,25 +165,28 @@ std::vector<Pose> GlobalLocalizer::candidates() {
   add(alongWhatWasOpen());
   if (only_guess_) return found;
   add(whereItLooksAlike());
+  const std::vector<Pose> looked_up = search_.lookedUp(views, up_);
+  add(looked_up);
+  const int turn = turnOfEverywhere(!looked_up.empty());
+  if (turn == 0) return found;
+  // The search with all orientations and the search with the orientations of the hypotheses take
+  // turns. The second search is of both kinds.
+  const bool even = turn % 2 == 0;
+  if (!even || turn == 2) add(search_.everywhere(views, up_, &random_));
+  if (even && !hypotheses_.empty()) add(search_.everywhere(views, up_, rotations(), &random_));
+  return found;
+}
+
+int GlobalLocalizer::turnOfEverywhere(bool is_looked_up) const {
   // When so many searches have not found the pose, the next one hardly does. So later searches are
   // rare.
   constexpr int kEager = 12, kSeldom = 4;
-  if (look_count_ > kEager && look_count_ % kSeldom != 0) return found;
-  // Lines along the building's axes find most poses in a tenth of the time.
-  // Every so many-th search is one that needs no such lines, unless a pose explains everything.
-  constexpr int kWithoutAxes = 4;
-  if (look_count_ % kWithoutAxes != 0 || report_.convincing) {
-    const std::vector<Pose> looked_up = search_.lookedUp(views, up_);
-    add(looked_up);
-    if (!looked_up.empty()) return found;
-  }
-  const int look = look_count_ > kEager ? look_count_ / kSeldom : look_count_;
-  // The search with all orientations and the search with the orientations of the hypotheses take
-  // turns. The second search is of both kinds.
-  const bool even = look % 2 == 0;
-  if (!even || look == 2) add(search_.everywhere(views, up_, &random_));
-  if (even && !hypotheses_.empty()) add(search_.everywhere(views, up_, rotations(), &random_));
-  return found;
+  // Prepared places find most poses in a tenth of the time. The search that needs no lines along
+  // the axes of the building then comes after some of those, unless a pose explains everything.
+  constexpr int kAfterLookups = 4;
+  if (is_looked_up && report_.convincing) return 0;
+  const int every = (look_count_ > kEager ? kSeldom : 1) * (is_looked_up ? kAfterLookups : 1);
+  return look_count_ % every == 0 ? look_count_ / every : 0;
 }
 
 std::vector<Pose> GlobalLocalizer::alongWhatWasOpen() const {

@@ -63,6 +63,9 @@ class GlobalLocalizer : public PoseFinder {
   std::vector<CameraView> rig() const;
   /// Poses at which new hypotheses may begin, T_map_base.
   std::vector<Pose> candidates();
+  /// Whether the newest keyframe is searched everywhere: the number of this search, from 1; 0: no.
+  /// @param is_looked_up prepared places have given poses.
+  int turnOfEverywhere(bool is_looked_up) const;
   /// Poses along the open directions of the best hypotheses, T_map_base.
   std::vector<Pose> alongWhatWasOpen() const;
   /// Look-alikes of the best hypotheses, T_map_base.

@@ -85,6 +85,30 @@ TEST(Search, FindsTheCameraInTheOfficeAndTracksIt) {
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
 }
 
+/// Prepared places ten metres apart find nothing, but they give poses. The search that does without
+/// them must have its turn.
+TEST(Search, FindsTheCameraWherePreparedPlacesDoNot) {
+  Scenario scenario = Scenario::fromYamlFile(kData + "small_flight.yaml");
+  Simulator simulator(scenario);
+  Parameters params = quickSearch();
+  params.search.prepared_spacing = 10;
+  params.search.candidates = 10;
+  params.search.store_places = false;
+  const auto map = std::make_shared<LocalizationMap>(scenario.model_file, params);
+  ASSERT_TRUE(map->preparedPlaces());
+  LiveLocalizer localizer(map);
+  localizer.searchEverywhere();
+  RandomSource random(5);
+  RecordedFrame frame;
+  LiveResult r;
+  for (size_t i = 0; i < simulator.imageCount() && !localizer.isInitialized(); ++i) {
+    simulator.next(&frame);
+    r = localizer.process(inputOf(frame, scenario.camera, &random));
+  }
+  ASSERT_TRUE(localizer.isInitialized());
+  EXPECT_TRUE(isRight(r.estimate.mean, *frame.truth));
+}
+
 /// When search and filter come to the same pose in different ways, the pose is trusted after three
 /// keyframes.
 TEST(Search, ABadGuessIsMadeGoodWithinAFewImages) {
