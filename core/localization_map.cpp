@@ -131,7 +131,9 @@ std::shared_ptr<const PreparedPlaces> LocalizationMap::preparedPlaces(
   const std::lock_guard<std::mutex> lock(search_->prepared_mutex);
   if (search_->is_prepared) return search_->prepared;
   const SearchParameters& p = params_.search;
-  if (const auto axes = p.prepared ? buildingAxes(*edges_) : std::nullopt) {
+  // A camera sees an object from outside, where no place is prepared.
+  const bool is_wanted = p.prepared && freeSpace()->isEnclosed();
+  if (const auto axes = is_wanted ? buildingAxes(*edges_) : std::nullopt) {
     const auto make = [&] {
       return PreparedPlaces(*freeSpace(), *visibility_, p, *axes, progress);
     };

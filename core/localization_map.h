@@ -101,8 +101,9 @@ class LocalizationMap {
   std::shared_ptr<const SearchPlaces> searchPlaces() const;
 
   /// What places see, for a search that compares an image with all of them. Null when
-  /// `search.prepared` is false or the building has no right angles. The first call reads them from
-  /// disk or computes them, which takes up to a minute. Safe to call from several threads.
+  /// `search.prepared` is false, or the model surrounds nothing or has no right angles. The first
+  /// call reads them from disk or computes them, which takes up to a minute. Safe to call from
+  /// several threads.
   /// @param progress of the computation, called from any thread.
   /// @throws InputError, see PreparedPlaces.
   std::shared_ptr<const PreparedPlaces> preparedPlaces(

@@ -26,7 +26,7 @@ constexpr double kRightPosition = 0.25, kRightAngle = 5 * kDegree;
 
 struct ImageTrialOptions {
   std::string source, model, out;
-  int count = 50, every = 10;
+  int count = 0, every = 0;  // 0: not given
   uint64_t first_seed = 1;
   double imu_sigma_deg = 1;
   size_t answers = 5;
@@ -87,6 +87,7 @@ class ImageTrials {
                             {"score", pose.found.log_likelihood},
                             {"evidence", pose.found.evidence},
                             {"match_ratio", pose.found.match_ratio},
+                            {"contour_share", pose.found.contour_share},
                             {"right", right},
                             {"error_m", error.head<3>().norm()},
                             {"error_deg", error.tail<3>().norm() / kDegree}});
@@ -95,6 +96,11 @@ class ImageTrials {
     images_.push_back(std::move(j));
     ms_.push_back(ms);
     first_ += rank == 1 ? 1 : 0;
+    constexpr double kSure = 0.8;  // the default of edge-mcl where
+    if (!ranked.poses.empty() && ranked.poses.front().probability >= kSure) {
+      ++sure_;
+      sure_wrong_ += rank == 1 ? 0 : 1;
+    }
     among_ += rank > 0 ? 1 : 0;
   }
 
@@ -107,9 +113,14 @@ class ImageTrials {
     const auto share = [&](int count) {
       return images_.empty() ? 0 : count / static_cast<double>(images_.size());
     };
-    return {{"source", options_.source},    {"images", images_.size()},
-            {"first_right", share(first_)}, {"among_answers", share(among_)},
-            {"ms_median", quantile(50)},    {"ms_p95", quantile(95)}};
+    return {{"source", options_.source},
+            {"images", images_.size()},
+            {"first_right", share(first_)},
+            {"among_answers", share(among_)},
+            {"sure", sure_},
+            {"sure_wrong", sure_wrong_},
+            {"ms_median", quantile(50)},
+            {"ms_p95", quantile(95)}};
   }
   const nlohmann::json& images() const { return images_; }
 
@@ -120,14 +131,17 @@ class ImageTrials {
   std::unique_ptr<PoseSearch> search_;
   nlohmann::json images_ = nlohmann::json::array();
   std::vector<double> ms_;
-  int first_ = 0, among_ = 0;
+  int first_ = 0, among_ = 0, sure_ = 0, sure_wrong_ = 0;
 };
 
 /// Asks for the first images of random flights.
 std::unique_ptr<ImageTrials> askInSimulation(const ImageTrialOptions& o) {
-  auto trials = std::make_unique<ImageTrials>(o, Scenario::fromYamlFile(o.source).model_file);
-  ProgressBar bar("images", static_cast<size_t>(o.count));
-  for (int k = 0; k < o.count; ++k) {
+  if (o.every > 0) throw ParameterError("--every is for a recorded sequence");
+  auto trials = std::make_unique<ImageTrials>(
+      o, o.model.empty() ? Scenario::fromYamlFile(o.source).model_file : o.model);
+  const int count = o.count > 0 ? o.count : 50;
+  ProgressBar bar("images", static_cast<size_t>(count));
+  for (int k = 0; k < count; ++k) {
     TrialFlight flight(o.source, TrialKind::kGlobal, o.first_seed + static_cast<uint64_t>(k), 10, 1,
                        0, 0, 0);
     RecordedFrame frame;
@@ -139,6 +153,8 @@ std::unique_ptr<ImageTrials> askInSimulation(const ImageTrialOptions& o) {
 
 /// Asks for some images of a recording.
 std::unique_ptr<ImageTrials> askInRecording(const ImageTrialOptions& o) {
+  if (o.count > 0) throw ParameterError("--count is for a scenario");
+  const size_t every = o.every > 0 ? static_cast<size_t>(o.every) : 10;
   const Sequence sequence = readSequence(o.source);
   const std::string model = o.model.empty() ? sequence.model_file : o.model;
   if (model.empty()) throw InputError(o.source + ": has no model.obj; give --model");
@@ -147,7 +163,7 @@ std::unique_ptr<ImageTrials> askInRecording(const ImageTrialOptions& o) {
   for (size_t i = 0; i < sequence.frames.size(); ++i) {
     bar.advance();
     const SequenceFrame& frame = sequence.frames[i];
-    if (i % static_cast<size_t>(o.every) != 0 || !frame.ground_truth) continue;
+    if (i % every != 0 || !frame.ground_truth) continue;
     trials->ask({sequence.camera, readImage(frame.image_file, sequence.camera),
                  frame.mask_file.empty() ? cv::Mat() : readMask(frame.mask_file, sequence.camera),
                  *frame.ground_truth});
@@ -165,10 +181,12 @@ int run(const ImageTrialOptions& o) {
     std::printf("%s\n", textOf(summary).c_str());
   else
     std::printf(
-        "%s: %d images, first answer right %.1f %%, truth among %zu answers %.1f %%; "
+        "%s: %d images, first answer right %.1f %%, truth among %zu answers %.1f %%; %d sure, of "
+        "these %d wrong; "
         "median %.0f ms, 95 %% %.0f ms\n",
         o.source.c_str(), summary["images"].get<int>(), 100 * summary["first_right"].get<double>(),
-        o.answers, 100 * summary["among_answers"].get<double>(), summary["ms_median"].get<double>(),
+        o.answers, 100 * summary["among_answers"].get<double>(), summary["sure"].get<int>(),
+        summary["sure_wrong"].get<int>(), summary["ms_median"].get<double>(),
         summary["ms_p95"].get<double>());
   return kExitOk;
 }
@@ -186,9 +204,9 @@ void addImageTrials(CLI::App* app, Action* action) {
       ->required();
   c->add_option("--model", o->model, "model of the building; default: that of the source");
   c->add_option("--count", o->count, "number of random poses of a scenario; default 50")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000));
   c->add_option("--every", o->every, "every so many-th image of a sequence; default 10")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000));
   c->add_option("--first-seed", o->first_seed, "seed of the first random pose; default 1");
   c->add_flag("--no-gravity", o->no_gravity,
               "do not give roll and pitch; default: they are given (--imu-sigma)");

@@ -225,7 +225,7 @@ std::optional<Eigen::Vector3d> parseUp(const std::string& text) {
   Eigen::Vector3d up;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &up.x(), &up.y(), &up.z(), &rest) != 3 ||
-      !up.allFinite() || up.norm() < 1e-3)
+      !up.allFinite() || !(up.norm() > 1e-3 && up.norm() < 1e6))
     throw ParameterError("--up " + text + ": must be a direction x,y,z");
   return up.normalized();
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -77,8 +78,7 @@ class PhotoFinder {
       : options_(o),
         params_(o.parameters.load()),
         camera_(CameraModel::fromYamlFile(o.camera)),
-        map_(o.model, params_),
-        random_(params_.filter.seed) {
+        map_(o.model, params_) {
     for (const std::string& warning : map_.mesh().report.warnings)
       std::fprintf(stderr, "warning: %s: %s\n", o.model.c_str(), warning.c_str());
     constexpr double kUpSigma = 2 * kDegree;  // of a phone or an inertial unit
@@ -101,11 +101,12 @@ class PhotoFinder {
   /// @return whether one answer is sure.
   bool answer(const std::string& photo, nlohmann::json* list) {
     const cv::Mat image = readImage(photo, camera_);
+    RandomSource random(params_.filter.seed);  // an answer does not depend on other photographs
     const auto begin = std::chrono::steady_clock::now();
     CameraView view;
     view.image = map_.prepare(camera_, image, mask_, photo);
     const RankedPoses ranked =
-        rankPoses(search_.get(), {view}, up_, region_, options_.answers, &random_);
+        rankPoses(search_.get(), {view}, up_, region_, options_.answers, &random);
     const double ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     nlohmann::json j = {
@@ -113,6 +114,8 @@ class PhotoFinder {
     for (const RankedPose& pose : ranked.poses) j["poses"].push_back(jsonOf(pose));
     const bool is_sure = !ranked.poses.empty() && ranked.poses.front().probability >= options_.sure;
     j["sure"] = is_sure;
+    const std::string doubt = doubtOf(*view.image, ranked);
+    if (!doubt.empty()) j["doubt"] = doubt;
     if (!options_.json) print(j);
     list->push_back(std::move(j));
     if (!options_.pictures.empty()) draw(photo, *view.image, ranked);
@@ -120,6 +123,19 @@ class PhotoFinder {
   }
 
  private:
+  /// Why there can be no good answer; empty: nothing is known.
+  std::string doubtOf(const PreparedImage& image, const RankedPoses& ranked) const {
+    constexpr double kMostlyMasked = 0.8;
+    if (!mask_.empty() &&
+        cv::countNonZero(mask_) > kMostlyMasked * static_cast<double>(mask_.total()))
+      return "the mask hides most of the photograph";
+    if (image.edges.edgeCount() < static_cast<size_t>(params_.tracking.min_edge_pixels))
+      return "the photograph shows hardly any edges";
+    if (ranked.poses.empty() && region_)
+      return "no place in the sphere of --near is free; the model may lie elsewhere";
+    return {};
+  }
+
   nlohmann::json jsonOf(const RankedPose& pose) const {
     const Eigen::Vector3d p = pose.found.pose.translation() + origin_;
     const Eigen::Quaterniond q(pose.found.pose.linear());
@@ -131,7 +147,8 @@ class PhotoFinder {
             {"pitch_deg", angles.pitch},
             {"roll_deg", angles.roll},
             {"score", pose.found.log_likelihood},
-            {"match_ratio", pose.found.match_ratio}};
+            {"match_ratio", pose.found.match_ratio},
+            {"contour_share", pose.found.contour_share}};
   }
 
   static void print(const nlohmann::json& j) {
@@ -144,10 +161,14 @@ class PhotoFinder {
                   pose["roll_deg"].get<double>());
     std::printf("  %3.0f %%  somewhere else\n%s", 100 * j["none"].get<double>(),
                 j["sure"].get<bool>() ? "" : "  ambiguous: no answer is sure\n");
+    if (j.contains("doubt")) std::printf("  %s\n", j["doubt"].get<std::string>().c_str());
   }
 
   void draw(const std::string& photo, const PreparedImage& image, const RankedPoses& ranked) {
-    const std::string stem = std::filesystem::path(photo).stem().string();
+    std::string stem = std::filesystem::path(photo).stem().string();
+    // Photographs of two folders may have the same name.
+    const int times = ++drawn_[stem];
+    if (times > 1) stem += "-" + std::to_string(times);
     for (size_t i = 0; i < ranked.poses.size(); ++i)
       writePicture(options_.pictures + "/" + stem + "_" + std::to_string(i + 1) + ".png",
                    drawOverlay(map_, image, ranked.poses[i].found.pose));
@@ -157,7 +178,7 @@ class PhotoFinder {
   Parameters params_;
   CameraModel camera_;
   LocalizationMap map_;
-  RandomSource random_;
+  std::map<std::string, int> drawn_;
   std::optional<UpReading> up_;
   std::optional<SearchRegion> region_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();

@@ -161,11 +161,11 @@ struct SearchParameters {
   int small_width = 160;
   int refined = 3000;
   int hypotheses = 100;
-  double keyframe_distance = 0.15;
-  double keyframe_angle_deg = 6;
+  double keyframe_distance = 0.08;
+  double keyframe_angle_deg = 4;
   double keyframe_period = 0.5;
   int window = 10;
-  int min_keyframes = 4;
+  int min_keyframes = 3;
   double line_correlation = 0.1;
   double min_margin = 200;
   double min_evidence = 4;

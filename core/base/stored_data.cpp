@@ -55,8 +55,11 @@ void writeStored(const std::string& file, const StoredKind& kind, uint64_t hash,
 
 StoredReader::StoredReader(const std::string& file, const StoredKind& kind, uint64_t hash,
                            size_t parts)
-    : file_(file), in_(file, std::ios::binary), sizes_(parts) {
-  if (!in_) throw InputError(file + ": missing or not readable");
+    : file_(file), sizes_(parts) {
+  std::error_code unknown;
+  // A pipe of this name would never answer.
+  if (fs::is_regular_file(file, unknown)) in_.open(file, std::ios::binary);
+  if (!in_.is_open()) throw InputError(file + ": missing or not readable");
   Header header{};
   in_.read(reinterpret_cast<char*>(&header), sizeof header);
   if (!in_ || std::memcmp(header.magic, kind.magic, sizeof header.magic) != 0)

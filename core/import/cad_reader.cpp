@@ -220,8 +220,12 @@ void readStep(const std::string& file, Handle(TDocStd_Document) document, RawMod
 void readIges(const std::string& file, Handle(TDocStd_Document) document, RawModel* model) {
   IGESCAFControl_Reader reader;
   if (reader.ReadFile(file.c_str()) != IFSelect_RetDone) fail(file, "it is no whole IGES file");
-  const Handle(TCollection_HAsciiString) unit = reader.IGESModel()->GlobalSection().UnitName();
-  if (!unit.IsNull()) noteUnit(unit->ToCString(), model);
+  // The flag decides the scale, whatever the name beside it says.
+  const std::map<int, const char*> units{{1, "inch"},       {2, "millimetre"}, {4, "foot"},
+                                         {5, "mile"},       {6, "metre"},      {7, "kilometre"},
+                                         {10, "centimetre"}};
+  const auto unit = units.find(reader.IGESModel()->GlobalSection().UnitFlag());
+  if (unit != units.end()) noteUnit(unit->second, model);
   if (!reader.Transfer(document)) fail(file, "OpenCASCADE finds no shape in it");
 }
 
@@ -230,7 +234,7 @@ RawModel readWithOcct(const std::string& file) {
   model.in_metres = true;
   CadParts parts(&model);
   const std::string extension = extensionOf(file);
-  if (extension == ".brep") {
+  if (extension == ".brep" || extension == ".brp") {
     TopoDS_Shape shape;
     const BRep_Builder builder;
     if (!BRepTools::Read(shape, file.c_str(), builder)) fail(file, "it is no whole BREP file");

@@ -283,7 +283,8 @@ std::string extensionOf(const std::string& file) {
 }
 
 bool isCadFile(const std::string& file) {
-  static const std::array<std::string_view, 5> kCad{".step", ".stp", ".iges", ".igs", ".brep"};
+  static const std::array<std::string_view, 6> kCad{".step", ".stp",  ".iges",
+                                                    ".igs",  ".brep", ".brp"};
   return std::find(kCad.begin(), kCad.end(), extensionOf(file)) != kCad.end();
 }
 

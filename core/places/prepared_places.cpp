@@ -49,11 +49,11 @@ PreparedPlaces::PreparedPlaces(const FreeSpace& space, const Visibility& visibil
   const double most =
       std::max(1.0, 1e6 * p.prepared_megabytes / static_cast<double>(kBytesOfPlace));
   // The volume tells the spacing to some per cent.
-  constexpr double kWider = 1.05;
+  constexpr double kWider = 1.02;
   spacing_ = std::max(p.prepared_spacing, std::cbrt(space.volume() / most));
   std::vector<Eigen::Vector3d> positions = space.places(spacing_);
   for (; static_cast<double>(positions.size()) > most; positions = space.places(spacing_))
-    spacing_ *= kWider;
+    spacing_ *= kWider * std::cbrt(static_cast<double>(positions.size()) / most);
   for (const Eigen::Vector3d& position : positions) positions_.push_back(position.cast<float>());
   if (positions_.empty())
     throw InputError(

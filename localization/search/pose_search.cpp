@@ -88,10 +88,13 @@ std::vector<Eigen::Vector3d> positionsInCell(double side) {
   return steps;
 }
 
-/// Which places of a lookup count.
-std::function<bool(const Eigen::Vector3d&)> filterOf(const std::optional<SearchRegion>& region) {
+/// Which places count: those in the region, and at least those around its centre.
+/// @param spacing of the places, m.
+std::function<bool(const Eigen::Vector3d&)> filterOf(const std::optional<SearchRegion>& region,
+                                                     double spacing) {
   if (!region) return nullptr;
-  return [r = *region](const Eigen::Vector3d& p) { return (p - r.centre).norm() <= r.radius; };
+  return [centre = region->centre, radius = std::max(region->radius, spacing)](
+             const Eigen::Vector3d& p) { return (p - centre).norm() <= radius; };
 }
 
 }  // namespace
@@ -196,9 +199,9 @@ std::vector<Pose> PoseSearch::lookedUp(const std::vector<CameraView>& views,
     known.up_camera = T_base_camera.linear().transpose() * up->up_base;
     known.sigma = std::max(up->sigma, map_.params().search.tilt_sigma_deg * kDegree);
   }
-  const std::vector<LookupPose> poses =
-      lookUp(*prepared_, view->image->edges, view->image->frame.camera, known,
-             static_cast<size_t>(map_.params().search.candidates), filterOf(region));
+  const std::vector<LookupPose> poses = lookUp(
+      *prepared_, view->image->edges, view->image->frame.camera, known,
+      static_cast<size_t>(map_.params().search.candidates), filterOf(region, prepared_->spacing()));
   const SmallViews small = reduce(views);
   const CameraModel& camera = small[static_cast<size_t>(view - views.begin())]->camera;
   // A refinement from half the distance between places away often fails. So some positions around
@@ -268,10 +271,11 @@ std::vector<Pose> PoseSearch::everywhere(
   const size_t kept =
       std::max<size_t>(4, (2 * static_cast<size_t>(p.refined) + places.size() - 1) / places.size());
   std::vector<std::vector<Start>> of_place(places.size());
+  const auto counts = filterOf(region, places_->spacing);
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t k) {
     RandomSource own(seeds[k]);
     const SearchPlaces::Place& place = places[k];
-    if (region && (place.position - region->centre).norm() > region->radius) return;
+    if (counts && !counts(place.position)) return;
     std::vector<Pose> poses;
     const double phase = own.uniform();
     for (size_t i = 0; i < per_place; ++i) {

@@ -84,6 +84,7 @@ FoundPose PoseSharpener::sharpen(const SearchViews& seen, const Pose& start,
   const LikelihoodParameters searching = searchLikelihood(map_.params());
   double line_scores = 0, lines = 0, points = 0, on_model = 0;
   double contours = 0;  // explained pixels minus weighted missing pixels
+  size_t explained = 0, pixels = 0;
   double widest = kContourWidth;
   for (size_t v = 0; v < views.size(); ++v) {
     const Pose camera = found.pose * views[v].T_base_camera;
@@ -107,6 +108,8 @@ FoundPose PoseSharpener::sharpen(const SearchViews& seen, const Pose& start,
           seen.contours[v]->compare(*refined[v].visible, frame.camera, camera, frame.sample_step);
       contours += static_cast<double>(match.explained) -
                   kShareOfMissingPixel * static_cast<double>(match.missing);
+      explained += match.explained;
+      pixels += seen.contours[v]->size();
     }
     if (views[v].depth && map_.depth()) {
       const DepthScore s = map_.depth()->evaluate(*views[v].depth, {camera}).front();
@@ -117,6 +120,8 @@ FoundPose PoseSharpener::sharpen(const SearchViews& seen, const Pose& start,
   }
   found.evidence = lines > 0 ? line_scores / lines : 0;
   found.log_likelihood += kNatsPerContourPixel * kContourWidth / widest * contours;
+  if (pixels > 0)
+    found.contour_share = static_cast<double>(explained) / static_cast<double>(pixels);
   if (points > 0) found.depth_agreement = on_model / points;
   return found;
 }

@@ -20,6 +20,8 @@ struct FoundPose {
   double evidence = 0;                   ///< mean per line, see UpdateReport::evidence_per_line
   /// Share of the visible samples with an image edge in reach; negative if there was no image.
   double match_ratio = -1;
+  /// Share of the long image contours that lie on a model edge; negative if there were none.
+  double contour_share = -1;
   /// Share of the depth points on the model; negative if there were none.
   double depth_agreement = -1;
 };

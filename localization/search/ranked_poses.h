@@ -17,7 +17,7 @@ struct RankedPose {
 /// Answer to "where was this image taken?".
 struct RankedPoses {
   std::vector<RankedPose> poses;  ///< best first, no two within kSamePlace of each other
-  double none = 1;                ///< probability that none of them is right
+  double none = 1;                ///< probability that none of these is right
 };
 
 /// Turns the scores of different places into probabilities. The edges of an image depend on one
@@ -30,7 +30,8 @@ struct RankedPoses {
 std::vector<double> placeProbabilities(const std::vector<double>& scores);
 
 /// Finds the poses that may explain one moment.
-/// @param region none: the whole model. @param most number of poses.
+/// @param region none: the whole model. @param most number of poses in the answer. The
+///   probabilities do not depend on it.
 /// @throws InputError when the free space holds no place.
 RankedPoses rankPoses(PoseSearch* search, const std::vector<CameraView>& views,
                       const std::optional<UpReading>& up, const std::optional<SearchRegion>& region,
