@@ -65,6 +65,9 @@ RankedPoses rankPoses(PoseSearch* search, const std::vector<CameraView>& views,
   }
   const std::vector<double> probabilities = placeProbabilities(scores);
   for (size_t i = 0; i < scores.size(); ++i) ranked.poses[i].probability = probabilities[i];
+  std::stable_sort(
+      ranked.poses.begin(), ranked.poses.end(),
+      [](const RankedPose& a, const RankedPose& b) { return a.probability > b.probability; });
   if (ranked.poses.size() > most) ranked.poses.resize(most);
   for (const RankedPose& pose : ranked.poses) ranked.none -= pose.probability;
   ranked.none = std::max(0.0, ranked.none);
