@@ -91,6 +91,7 @@ TEST(RankedPoses, OnlyTheRegionIsSearched) {
   const SearchRegion region{{6, 2.5, 1.3}, 1.5};
   const RankedPoses ranked =
       rankPoses(&search, {test::viewInRoom(map)}, upOf(test::roomView()), region, 5, &random);
+  ASSERT_FALSE(ranked.poses.empty());
   // A refinement moves a pose by some decimetres.
   for (const RankedPose& pose : ranked.poses)
     EXPECT_LT((pose.found.pose.translation() - region.centre).norm(), region.radius + 0.8);
