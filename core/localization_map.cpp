@@ -137,11 +137,9 @@ std::shared_ptr<const PreparedPlaces> LocalizationMap::preparedPlaces(
     const auto make = [&] {
       return PreparedPlaces(*freeSpace(), *visibility_, p, *axes, progress);
     };
-    std::string warning;  // a search that takes longer at its next start is not worth a message
     search_->prepared = std::make_shared<const PreparedPlaces>(
         p.store_places && !model_file_.empty()
-            ? storedPreparedPlaces(model_file_, PreparedPlaces::hashOf(*mesh_, *edges_, p), make,
-                                   &warning)
+            ? storedPreparedPlaces(model_file_, PreparedPlaces::hashOf(*mesh_, *edges_, p), make)
             : make());
   }
   search_->is_prepared = true;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common_options.h"
+#include "apps/experiments/right_pose.h"
 #include "apps/number_range.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
@@ -20,9 +21,6 @@
 namespace edge_mcl {
 
 namespace {
-
-// A pose is right when its errors are below these limits, m and rad.
-constexpr double kRightPosition = 0.25, kRightAngle = 5 * kDegree;
 
 struct ImageTrialOptions {
   std::string source, model, out;
@@ -80,7 +78,7 @@ class ImageTrials {
                               .log_likelihood;
     int rank = 0;
     for (const RankedPose& pose : ranked.poses) {
-      const bool right = isNear(pose.found.pose, test.T_map_camera, kRightPosition, kRightAngle);
+      const bool right = isNear(pose.found.pose, test.T_map_camera, kRightPose);
       if (right && rank == 0) rank = static_cast<int>(j["poses"].size()) + 1;
       const Twist error = logSe3(pose.found.pose.inverse() * test.T_map_camera);
       j["poses"].push_back({{"probability", pose.probability},

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common_options.h"
+#include "apps/experiments/right_pose.h"
 #include "apps/number_range.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
@@ -23,8 +24,6 @@ namespace edge_mcl {
 
 namespace {
 
-// A pose is right when its errors are below these limits, m and rad.
-constexpr double kRightPosition = 0.25, kRightAngle = 5 * kDegree;
 // Fewer lines in view do not fix the pose, even if the search starts at the true pose.
 constexpr double kFewLines = 3;
 
@@ -97,8 +96,7 @@ LiveInput inputOf(const RecordedFrame& frame, const TrialFlight& flight, const T
 /// Rank of the true pose in a list of places, best first, from 1; 0: it is not in the list.
 int rankOf(const Pose& truth, const std::vector<PoseCluster>& clusters) {
   for (size_t i = 0; i < clusters.size(); ++i)
-    if (isNear(clusters[i].pose, truth, kRightPosition, kRightAngle))
-      return static_cast<int>(i) + 1;
+    if (isNear(clusters[i].pose, truth, kRightPose)) return static_cast<int>(i) + 1;
   return 0;
 }
 
@@ -150,7 +148,7 @@ Outcome fly(const std::shared_ptr<const LocalizationMap>& map, TrialKind kind,
     outcome.search_ms += r.search_ms;
     const Twist error = logSe3(r.estimate.mean.inverse() * *frame.truth);
     const bool right =
-        error.head<3>().norm() < kRightPosition && error.tail<3>().norm() < kRightAngle;
+        error.head<3>().norm() < kRightPose.position && error.tail<3>().norm() < kRightPose.angle;
     if (i >= event) {
       ++outcome.looked;
       outcome.bare += isBare(*map, r, *frame.truth) ? 1 : 0;

@@ -24,7 +24,8 @@ class PreparedPlaces {
   /// Called with a share from 0 to 1, from any thread.
   using Progress = std::function<void(double)>;
 
-  /// Rays from all places. This takes about a minute for a building of 1,000 square metres.
+  /// Finds by rays what each place sees. This takes about 12 s of two cores for a building of 1,000
+  /// square metres.
   /// @throws InputError when the free space holds no place.
   PreparedPlaces(const FreeSpace& space, const Visibility& visibility,
                  const SearchParameters& params, const BuildingAxes& axes,
@@ -60,10 +61,8 @@ class PreparedPlaces {
 };
 
 /// Returns the places of a model file. It reads stored places if there are some. Otherwise it makes
-/// them with `make` and stores them.
-/// @param warning gets one line when they cannot be stored.
+/// them with `make` and stores them. Where they cannot be stored, the next start makes them again.
 PreparedPlaces storedPreparedPlaces(const std::string& model_file, uint64_t hash,
-                                    const std::function<PreparedPlaces()>& make,
-                                    std::string* warning);
+                                    const std::function<PreparedPlaces()>& make);
 
 }  // namespace edge_mcl

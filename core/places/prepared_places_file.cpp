@@ -65,18 +65,14 @@ PreparedPlaces PreparedPlaces::read(const std::string& file, uint64_t hash) {
 }
 
 PreparedPlaces storedPreparedPlaces(const std::string& model_file, uint64_t hash,
-                                    const std::function<PreparedPlaces()>& make,
-                                    std::string* warning) {
+                                    const std::function<PreparedPlaces()>& make) {
   const std::vector<std::string> files = storagePlaces(model_file, hash, "places");
   std::optional<PreparedPlaces> stored;
   if (readFromOne(files,
                   [&](const std::string& file) { stored = PreparedPlaces::read(file, hash); }))
     return std::move(*stored);
   PreparedPlaces places = make();
-  const std::string why =
-      writeToOne(files, [&](const std::string& file) { places.write(file, hash); });
-  if (!why.empty())
-    *warning = "the prepared places cannot be stored and are computed at every start: " + why;
+  writeToOne(files, [&](const std::string& file) { places.write(file, hash); });
   return places;
 }
 

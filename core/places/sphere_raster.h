@@ -1,13 +1,10 @@
-/// A raster of the directions around one axis, on which lines along the axis are easy to
-/// compare.
+/// A raster of directions around an axis. Lines along the axis are easy to compare on it.
 #pragma once
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 namespace edge_mcl {
 
@@ -19,8 +16,6 @@ namespace raster {
 constexpr int kAround = 128;  ///< rows of 2.8 degrees: the angle around the axis
 constexpr int kAlong = 64;    ///< bits of a row, 2.8 degrees each: the angle from the axis
 constexpr double kRow = 2 * M_PI / kAround, kBit = M_PI / kAlong;
-
-using Rows = std::array<uint64_t, kAround>;
 
 /// Row of a direction. @param axis 0, 1, 2. @param v any length, not parallel to the axis.
 inline int rowOf(const Eigen::Vector3d& v, int axis) {
