@@ -53,8 +53,13 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time, double readi
   if (r.clusters.empty()) return j;
   j["search"] = {{"keyframes", r.search_keyframes}, {"ms", r.search_ms}};
   for (const PoseCluster& cluster : r.clusters)
-    j["search"]["clusters"].push_back(
-        {{"weight", cluster.weight}, {"pose", formatPose(time, cluster.pose)}});
+    j["search"]["clusters"].push_back({{"probability", cluster.probability},
+                                       {"score", cluster.score},
+                                       {"pose", formatPose(time, cluster.pose)}});
+  if (r.next_view)
+    j["search"]["next_view"] = {{"difference", r.next_view->difference},
+                                {"if_first", formatPose(time, r.next_view->first)},
+                                {"if_second", formatPose(time, r.next_view->second)}};
   return j;
 }
 

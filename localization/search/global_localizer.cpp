@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "edge_mcl/localization/filter/motion_noise.h"
-#include "edge_mcl/localization/filter/resampling.h"
 #include "edge_mcl/localization/search/jump_cost.h"
+#include "edge_mcl/localization/search/ranked_poses.h"
 
 namespace edge_mcl {
 
@@ -114,6 +114,7 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
   prune();
   report_ = judge();
   report_.keyframe = true;
+  if (look) addNextView(&report_);
   report_.total_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return report_;
@@ -347,11 +348,11 @@ double GlobalLocalizer::addClusters(SearchReport* report) const {
                     [&](const PoseCluster& c) { return isNear(c.pose, h.pose, kSamePlace); });
     if (same || report->clusters.size() >= kMost) continue;
     if (report->clusters.size() == 1) next = std::max(next, h.total);
-    report->clusters.push_back({h.pose, 0});
+    report->clusters.push_back({h.pose, 0, h.total});
     totals.push_back(h.total);
   }
-  const std::vector<double> weights = normalize(totals);
-  for (size_t i = 0; i < weights.size(); ++i) report->clusters[i].weight = weights[i];
+  const std::vector<double> probabilities = placeProbabilities(totals, keyframes_.size());
+  for (size_t i = 0; i < totals.size(); ++i) report->clusters[i].probability = probabilities[i];
   return next;
 }
 
@@ -406,6 +407,16 @@ bool GlobalLocalizer::hasRival(double needed_margin) const {
   return std::any_of(hypotheses_.begin() + 1, hypotheses_.end(), [&](const Hypothesis& h) {
     return h.total > best.total - kShare * needed_margin && !isNear(h.pose, best.pose, kNeighbour);
   });
+}
+
+void GlobalLocalizer::addNextView(SearchReport* report) const {
+  // A place that is less likely by this factor is no reason to fly somewhere.
+  constexpr double kRival = 0.2;
+  const std::vector<PoseCluster>& places = report->clusters;
+  if (report->convincing || places.size() < 2 ||
+      places[1].probability < kRival * places[0].probability)
+    return;
+  report->next_view = nextView(map_, keyframes_.back().seen.views, places[0].pose, places[1].pose);
 }
 
 SearchReport GlobalLocalizer::judge() const {

@@ -86,8 +86,10 @@ class GlobalLocalizer : public PoseFinder {
   };
   /// Makes the report of the newest keyframe.
   SearchReport judge() const;
-  /// Adds the best places with their weights. @return the score of the second place, at least 0,
-  /// nats
+  /// Adds the view that tells the two best places apart, when they are nearly equally likely.
+  void addNextView(SearchReport* report) const;
+  /// Adds the best places with their probabilities. @return the score of the second place, at least
+  /// 0, nats
   double addClusters(SearchReport* report) const;
   /// Adds the means of evidence, match ratio and depth agreement over the keyframes.
   static Support addMeans(const Hypothesis& best, SearchReport* report);

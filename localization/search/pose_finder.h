@@ -8,13 +8,17 @@
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/localization/filter/motion_noise.h"
 #include "edge_mcl/localization/filter/tilt_correction.h"
+#include "edge_mcl/localization/search/next_view.h"
 
 namespace edge_mcl {
 
 /// A place where the robot may be.
 struct PoseCluster {
   Pose pose = Pose::Identity();  ///< T_map_base
-  double weight = 0;             ///< share of this place; the weights of all places have the sum 1
+  /// That the robot is within kSamePlace of it, see placeProbabilities(). The rest to the sum 1 is
+  /// the probability that all places are wrong.
+  double probability = 0;
+  double score = 0;  ///< log-likelihood over the keyframes, nats
 };
 
 /// State of the search after an image. Poses are T_map_base.
@@ -27,6 +31,9 @@ struct SearchReport {
   bool stale = false;
   PoseGaussian estimate;              ///< best hypothesis, at this image; identity if there is none
   std::vector<PoseCluster> clusters;  ///< different places, best first, at most ten
+  /// The view that tells the two best places apart. None when one place is much more likely, or
+  /// when no view tells them apart.
+  std::optional<NextView> next_view;
   /// Log-likelihood of the best hypothesis over the keyframes minus that of the next place, nats.
   /// The next place counts as 0 (no evidence) if it scores less.
   double margin = 0;

@@ -7,20 +7,23 @@
 
 namespace edge_mcl {
 
-std::vector<double> placeProbabilities(const std::vector<double>& scores) {
-  // Fitted by bench/where, see docs/decisions/search-single-image.md.
-  constexpr double kTemperature = 60;  // nats
-  constexpr double kNone = 380;        // nats
+std::vector<double> placeProbabilities(const std::vector<double>& scores, size_t keyframes) {
+  // Fitted by bench/where and by simulated flights, see docs/decisions/search-single-image.md. The
+  // keyframes of a search show much the same, so n of them are worth little more than one.
+  constexpr double kExponent = 0.25;
+  const double worth = std::pow(static_cast<double>(std::max<size_t>(1, keyframes)), kExponent);
+  const double temperature = 60 * worth;  // nats
+  const double none = 380 * worth;        // nats
   const double best =
-      scores.empty() ? kNone : std::max(kNone, *std::max_element(scores.begin(), scores.end()));
+      scores.empty() ? none : std::max(none, *std::max_element(scores.begin(), scores.end()));
   std::vector<double> result;
   double sum = 0;
   const auto add = [&](double score) {
-    result.push_back(std::exp((score - best) / kTemperature));
+    result.push_back(std::exp((score - best) / temperature));
     sum += result.back();
   };
   std::for_each(scores.begin(), scores.end(), add);
-  add(kNone);
+  add(none);
   for (double& p : result) p /= sum;
   return result;
 }

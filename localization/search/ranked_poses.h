@@ -25,9 +25,10 @@ struct RankedPoses {
 /// log-likelihoods. It is divided by a temperature. "None of them" competes with a score of its
 /// own. Both numbers were fitted to single images of simulated flights
 /// (docs/decisions/search-single-image.md).
-/// @param scores nats, of different places. @return one probability for each, and the last one for
+/// @param scores nats, of different places. @param keyframes number of moments that the scores are
+///   the sums of. @return one probability for each, and the last one for
 ///   "none of them".
-std::vector<double> placeProbabilities(const std::vector<double>& scores);
+std::vector<double> placeProbabilities(const std::vector<double>& scores, size_t keyframes = 1);
 
 /// Finds the poses that may explain one moment.
 /// @param region none: the whole model. @param most number of poses in the answer. The

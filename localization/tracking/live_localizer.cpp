@@ -5,7 +5,6 @@
 #include <opencv2/core.hpp>
 
 #include "edge_mcl/core/base/angles.h"
-#include "edge_mcl/core/base/clock_step.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/localization/filter/motion_noise.h"
 #include "edge_mcl/localization/search/background_search.h"
@@ -98,6 +97,7 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
                            LiveResult* result) {
   const SearchReport report = finder_->process(views, input.up);
   result->clusters = report.clusters;
+  result->next_view = report.next_view;
   result->search_keyframes = report.keyframes;
   result->search_ms = report.total_ms;
   result->updated = true;
@@ -148,13 +148,27 @@ void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> lo
   given_ = initial_;
 }
 
+bool LiveLocalizer::isUnusable(StampGuard::Verdict verdict, LiveResult* result) {
+  using Verdict = StampGuard::Verdict;
+  if (verdict == Verdict::kLate) {
+    result->problem = "the image is older than the one before and is not used";
+  } else if (verdict == Verdict::kStandsStill) {
+    result->problem = "the time stamps of the images stand still; the images are not used";
+    // Time goes on, although the stamps do not.
+    if (initial_) judge(*last_time_ + stamps_.stalled(), false, false);
+  } else if (verdict == Verdict::kAhead) {
+    result->problem =
+        "the time stamp of the image is far ahead of the one before; the image is not used, unless "
+        "the next one confirms the time";
+  }
+  result->late = !result->problem.empty();
+  return result->late;
+}
+
 bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
-  if (last_time_ && input.time <= *last_time_) {
-    if (clockStep(*last_time_, input.time) == ClockStep::kLate) {
-      result->late = true;
-      result->problem = "the image is older than the one before and is not used";
-      return false;
-    }
+  const StampGuard::Verdict verdict = stamps_.judge(input.time, input.odometry.has_value());
+  if (isUnusable(verdict, result)) return false;
+  if (verdict == StampGuard::Verdict::kJumpedBack) {
     // A recording is played again, or a simulation begins again. Then the robot is at the given
     // pose. But the recording may have been set back only a little, so the given pose needs proof.
     // A pose that the search has found meanwhile is not used: it belongs to another time.
@@ -313,6 +327,7 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
   LiveResult result;
   if (!isInitialized() && !searching_) {
     result.problem = "no initial pose yet";
+    stamps_.judge(input.time, true);
     last_time_ = input.time;
     odometry_.forgetReading();
     odometry_.read(input.odometry);

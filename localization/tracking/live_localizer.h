@@ -15,6 +15,7 @@
 #include "edge_mcl/localization/tracking/odometry_track.h"
 #include "edge_mcl/localization/tracking/pose_probability.h"
 #include "edge_mcl/localization/tracking/pose_proof.h"
+#include "edge_mcl/localization/tracking/stamp_guard.h"
 
 namespace edge_mcl {
 
@@ -46,9 +47,11 @@ struct LiveInput {
 /// Result for one moment.
 struct LiveResult {
   LocalizerState state = LocalizerState::kUninitialized;
-  std::string problem;     ///< a fault, in one line; empty: no fault
-  bool updated = false;    ///< the images were used
-  bool late = false;       ///< the moment is older than the last one and was not used
+  std::string problem;   ///< a fault, in one line; empty: no fault
+  bool updated = false;  ///< the images were used
+  /// The moment was not used because of its time stamp, see StampGuard. The estimate is that of the
+  /// moment before.
+  bool late = false;
   bool restarted = false;  ///< the clock jumped back; localization or search began again
   PoseGaussian estimate;   ///< T_map_base at this moment
   UpdateReport report;
@@ -65,8 +68,9 @@ struct LiveResult {
   std::vector<size_t> image_numbers;  ///< number of the view of every image in `images`
   /// During a search: places where the robot may be, best first. Empty otherwise.
   std::vector<PoseCluster> clusters;
-  int search_keyframes = 0;  ///< number of keyframes that the search has used so far
-  double search_ms = 0;      ///< computing time of the search for this keyframe, ms
+  std::optional<NextView> next_view;  ///< view that tells the two best of them apart
+  int search_keyframes = 0;           ///< number of keyframes that the search has used so far
+  double search_ms = 0;               ///< computing time of the search for this keyframe, ms
   bool relocalized = false;  ///< the search has found the pose, and the filter starts there
 };
 
@@ -107,6 +111,8 @@ class LiveLocalizer {
  private:
   /// Resets states and proof for a new pose. Starts a search around it when it is uncertain.
   void begin();
+  /// Whether an image with such a stamp is not used. Adds the reason to the result.
+  bool isUnusable(StampGuard::Verdict verdict, LiveResult* result);
   /// Predicts to the time of the input. @return false when the input is late
   bool advanceTo(const LiveInput& input, LiveResult* result);
   /// Whether odometry has moved far enough for the images to be used.
@@ -155,6 +161,7 @@ class LiveLocalizer {
   std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back
   StateMachine states_;
   bool fresh_ = false;  // no moment since the pose was given
+  StampGuard stamps_;
   std::optional<double> last_time_;
   double longest_interval_ = 0;  // longest recent time between moments, s; 0: not known
   OdometryTrack odometry_;

@@ -85,6 +85,28 @@ void ResultPublisher::publishCloud(const LiveLocalizer& localizer, const ros::Ti
   cloud_.publish(cloud);
 }
 
+namespace {
+
+void addSearch(const LiveResult& result, const ResultContext& context, Status* status) {
+  status->search_keyframes = static_cast<uint32_t>(result.search_keyframes);
+  status->search_ms = static_cast<float>(result.search_ms);
+  for (const PoseCluster& place : result.clusters)
+    status->hypothesis_probabilities.push_back(static_cast<float>(place.probability));
+  if (!result.next_view || result.clusters.empty()) return;
+  const NextView& view = *result.next_view;
+  status->next_view = {toPoseMessage(view.first), toPoseMessage(view.second)};
+  const Pose camera =
+      context.T_base_camera.empty() ? Pose::Identity() : context.T_base_camera.front();
+  const NextView::Step step = view.stepFrom(result.clusters.front().pose, camera);
+  status->next_view_shift.x = step.shift.x();
+  status->next_view_shift.y = step.shift.y();
+  status->next_view_shift.z = step.shift.z();
+  status->next_view_turn = static_cast<float>(step.turn);
+  status->next_view_difference = static_cast<float>(view.difference);
+}
+
+}  // namespace
+
 void ResultPublisher::publishStatus(const LiveResult& result, const LiveLocalizer& localizer,
                                     const ResultContext& context) {
   Status status;
@@ -126,8 +148,7 @@ void ResultPublisher::publishStatus(const LiveResult& result, const LiveLocalize
   status.update_ms = static_cast<float>(context.update_ms);
   status.image_age = static_cast<float>((ros::Time::now() - context.stamp).toSec());
   status.mask_age = static_cast<float>(context.mask_age);
-  status.search_keyframes = static_cast<uint32_t>(result.search_keyframes);
-  status.search_ms = static_cast<float>(result.search_ms);
+  addSearch(result, context, &status);
   status.images_received = context.images_received;
   status.images_dropped = context.images_dropped;
   status.updates = context.updates;

@@ -14,7 +14,7 @@ inline const cv::Scalar kOrange(0, 159, 230), kSkyBlue(233, 180, 86), kGreen(115
     kDark(40, 40, 40);
 
 inline const cv::Scalar &kEstimate = kOrange, &kTruth = kBlue, &kCovariance = kPurple,
-                        &kDepth = kSkyBlue, &kHypothesis = kVermillion;
+                        &kDepth = kSkyBlue, &kHypothesis = kVermillion, &kNextView = kYellow;
 
 /// Colour of a state of the localizer.
 inline cv::Scalar ofState(LocalizerState state) {

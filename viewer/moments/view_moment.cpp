@@ -6,6 +6,7 @@
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/depth/depth_points.h"
+#include "edge_mcl/core/image/eight_bits.h"
 
 namespace edge_mcl {
 
@@ -16,8 +17,7 @@ const char* UpdateTimes::name(size_t stage) {
 }
 
 cv::Mat shownImage(const cv::Mat& image) {
-  cv::Mat eight = image;
-  if (image.depth() == CV_16U) image.convertTo(eight, CV_8U, 1.0 / 256);
+  const cv::Mat eight = toEightBits(image);
   const int channels = eight.channels();
   if (eight.depth() != CV_8U || (channels != 1 && channels != 3 && channels != 4))
     return cv::Mat::zeros(image.size(), CV_8U);
@@ -51,6 +51,7 @@ ViewMoment momentOf(const LiveInput& input, const LiveResult& result,
   m.estimate = result.estimate;
   m.truth = truth;
   m.clusters = result.clusters;
+  if (result.next_view) m.next_view = {result.next_view->first, result.next_view->second};
   if (m.has_pose) {
     const std::vector<Pose>& poses = localizer.filter().poses();
     const std::vector<double>& weights = localizer.filter().logWeights();

@@ -40,6 +40,7 @@ struct ViewMoment {
   std::vector<float> weights;         ///< of `particles`, the largest is 1; empty: unknown
   size_t particle_count = 0;          ///< number of all particles of the filter
   std::vector<PoseCluster> clusters;  ///< hypotheses during a search
+  std::vector<Pose> next_view;        ///< T_map_base of the next view at the two best of them
   std::optional<Pose> truth;          ///< T_map_base
 
   bool has_camera = false;  ///< whether calibration and extrinsics are known

@@ -46,6 +46,20 @@ void setPath(const std::vector<Eigen::Vector3f>& path, CSetOfLines* lines) {
   lines->notifyChange();
 }
 
+/// Adds the way from a place to its next view, with an arrow that shows where the camera looks.
+void addNextView(const Pose& from, const Pose& T_map_camera, CSetOfLines* lines) {
+  const auto add = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    lines->appendLine(a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
+  };
+  constexpr double kArrow = 0.6, kHead = 0.2;  // m
+  const Eigen::Vector3d eye = T_map_camera.translation();
+  const Eigen::Vector3d tip = T_map_camera * Eigen::Vector3d(0, 0, kArrow);
+  add(from.translation(), eye);
+  add(eye, tip);
+  for (const double side : {-kHead, kHead})
+    add(tip, T_map_camera * Eigen::Vector3d(side, 0, kArrow - kHead));
+}
+
 }  // namespace
 
 struct SceneView::Objects {
@@ -60,6 +74,7 @@ struct SceneView::Objects {
   CTexturedPlane::Ptr picture = CTexturedPlane::Create();
   CSphere::Ptr truth = CSphere::Create();
   CSetOfObjects::Ptr clusters = CSetOfObjects::Create();
+  CSetOfLines::Ptr next_view = makeLines(view_colors::kNextView, 3);
 };
 
 SceneView::SceneView(const LocalizationMap* map, const ViewParameters& params)
@@ -81,7 +96,7 @@ SceneView::SceneView(const LocalizationMap* map, const ViewParameters& params)
   o.truth->enableLight(false);
   for (const CRenderizable::Ptr& object : std::initializer_list<CRenderizable::Ptr>{
            o.faces, o.edges, o.depth, o.particles, o.covariance, o.truth_path, o.path, o.frustum,
-           o.picture, o.truth, o.clusters})
+           o.picture, o.truth, o.clusters, o.next_view})
     scene_->insert(object);
   scene_->getViewport()->enablePolygonNicest(false);
   scene_->getViewport()->setCustomBackgroundColor({0.84F, 0.84F, 0.84F, 1.0F});
@@ -237,13 +252,17 @@ void SceneView::showPoses(const ViewMoment& m, const HistoryView& history) {
   o.clusters->clear();
   for (const PoseCluster& cluster : m.clusters) {
     const Eigen::Vector3d p = cluster.pose.translation();
-    auto ball =
-        CSphere::Create(static_cast<float>((0.008 + 0.02 * std::sqrt(cluster.weight)) * distance_));
+    auto ball = CSphere::Create(
+        static_cast<float>((0.008 + 0.02 * std::sqrt(cluster.probability)) * distance_));
     ball->setColor_u8(toColor(view_colors::kHypothesis));
     ball->enableLight(false);
     ball->setLocation(p.x(), p.y(), p.z());
     o.clusters->insert(ball);
   }
+  o.next_view->clear();
+  for (size_t i = 0; i < std::min(m.next_view.size(), m.clusters.size()); ++i)
+    addNextView(m.clusters[i].pose, m.next_view[i] * m.T_base_camera, o.next_view.get());
+  o.next_view->notifyChange();
 }
 
 double SceneView::distanceSeen(const ViewMoment& m, const Pose& T_map_camera) const {
