@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "edge_mcl/core/base/error.h"
 
@@ -9,10 +10,13 @@ namespace edge_mcl {
 
 YAML::Node loadYamlFile(const std::string& file) {
   // A folder can be opened, but not read.
-  if (std::filesystem::is_directory(file) || !std::ifstream(file))
-    throw InputError(file + ": cannot be read");
+  std::ifstream stream(file);
+  if (std::filesystem::is_directory(file) || !stream) throw InputError(file + ": cannot be read");
+  std::string text((std::istreambuf_iterator<char>(stream)), {});
+  // OpenCV's first line "%YAML:1.0" is no directive of YAML.
+  if (text.rfind("%YAML:", 0) == 0) text.erase(0, text.find('\n'));
   try {
-    return YAML::LoadFile(file);
+    return YAML::Load(text);
   } catch (const YAML::Exception& e) {
     throw InputError(file + ": not a YAML file: " + e.what());
   }

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "edge_mcl/core/base/error.h"
-#include "edge_mcl/core/base/yaml_file.h"
 
 namespace edge_mcl {
 
@@ -178,64 +176,6 @@ bool CameraModel::project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel,
     *jacobian = d * normalized;
   }
   return true;
-}
-
-CameraModel CameraModel::fromFields(int width, int height, const std::array<double, 9>& k,
-                                    const std::string& distortion_model, const double* d,
-                                    size_t d_size, const std::string& origin) {
-  CameraModel camera;
-  camera.width = width;
-  camera.height = height;
-  camera.fx = k[0];
-  camera.fy = k[4];
-  camera.cx = k[2];
-  camera.cy = k[5];
-  size_t most = 0;
-  if (distortion_model == "plumb_bob" || distortion_model == "radtan") {
-    camera.distortion = DistortionModel::kPlumbBob;
-    most = 5;
-  } else if (distortion_model == "rational_polynomial") {
-    camera.distortion = DistortionModel::kRationalPolynomial;
-    most = 8;
-  } else if (distortion_model == "equidistant" || distortion_model == "fisheye") {
-    camera.distortion = DistortionModel::kEquidistant;
-    most = 4;
-  } else if (distortion_model == "none" || distortion_model.empty()) {
-    most = 0;
-  } else {
-    throw InputError(origin + ": distortion_model '" + distortion_model +
-                     "' is unknown (plumb_bob, rational_polynomial, equidistant)");
-  }
-  if (std::any_of(d + std::min(most, d_size), d + d_size, [](double c) { return c != 0; }))
-    throw InputError(
-        origin + ": " + std::to_string(d_size) + " distortion coefficients are given, but " +
-        (distortion_model.empty() ? "a camera without distortion_model" : distortion_model) +
-        " has " + std::to_string(most));
-  for (size_t i = 0; i < std::min(most, d_size); ++i) camera.coefficients[i] = d[i];
-  if (k[1] != 0 || k[8] != 1)
-    throw InputError(origin + ": camera_matrix has skew or a last element other than 1");
-  camera.validate(origin);
-  return camera;
-}
-
-CameraModel CameraModel::fromYamlFile(const std::string& file) {
-  const YAML::Node root = loadYamlFile(file);
-  if (!root.IsMap()) throw InputError(file + ": not a camera_info YAML file");
-  const auto need = [&](const YAML::Node& node, const std::string& key) {
-    if (!node.IsMap() || !node[key]) throw InputError(file + ": key '" + key + "' is missing");
-    return node[key];
-  };
-  try {
-    const auto k_list = need(need(root, "camera_matrix"), "data").as<std::vector<double>>();
-    if (k_list.size() != 9) throw InputError(file + ": camera_matrix/data must have 9 numbers");
-    std::array<double, 9> k{};
-    std::copy(k_list.begin(), k_list.end(), k.begin());
-    const auto d = need(need(root, "distortion_coefficients"), "data").as<std::vector<double>>();
-    return fromFields(need(root, "image_width").as<int>(), need(root, "image_height").as<int>(), k,
-                      need(root, "distortion_model").as<std::string>(), d.data(), d.size(), file);
-  } catch (const YAML::Exception& e) {
-    throw InputError(file + ": " + e.what());
-  }
 }
 
 }  // namespace edge_mcl

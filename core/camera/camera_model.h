@@ -54,18 +54,25 @@ struct CameraModel {
     return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= width - 1 && pixel.y() <= height - 1;
   }
 
-  /// Reads the YAML file that ROS's camera_calibration writes.
-  /// @throws InputError that names the file and the missing or wrong key.
+  /// Reads a calibration file in one of these formats of YAML: ROS camera_calibration, OpenCV's
+  /// calibration samples, Kalibr's camchain, EuRoC's sensor.yaml, ORB-SLAM 2 and 3, VINS-Fusion.
+  /// @param file may end in `:NAME`, which chooses one of several cameras of a file
+  /// ("chain.yaml:cam1").
+  /// @throws InputError that names the file, and the missing or wrong key or what to do.
   static CameraModel fromYamlFile(const std::string& file);
   /// Makes a camera from the fields of a camera_info message.
-  /// @param k camera matrix, row-major.
-  /// @param d distortion coefficients, `d_size` of them.
+  /// @param k camera matrix, row-major. A skew that moves no pixel by more than half a pixel is
+  /// left
+  ///   out.
+  /// @param distortion_model a name of REP 104 or of another calibration tool. When it is empty,
+  /// the
+  ///   coefficients are those of OpenCV.
+  /// @param d distortion coefficients, `d_size` of them, in OpenCV's order.
   /// @param origin named in errors.
   /// @throws InputError when a field is wrong.
   static CameraModel fromFields(int width, int height, const std::array<double, 9>& k,
                                 const std::string& distortion_model, const double* d, size_t d_size,
                                 const std::string& origin);
-
   /// Depth up to which nothing is projected, metres.
   static constexpr double kMinDepth = 0.01;
 };
