@@ -21,6 +21,8 @@ const std::map<std::string, OutputLayout> kLayouts = {{"segmentation", OutputLay
                                                       {"yolo", OutputLayout::kYolo},
                                                       {"yolox", OutputLayout::kYolox},
                                                       {"yolov8", OutputLayout::kYoloV8},
+                                                      {"yolov8_seg", OutputLayout::kYoloV8Seg},
+                                                      {"end_to_end", OutputLayout::kEndToEnd},
                                                       {"darknet", OutputLayout::kDarknet},
                                                       {"fastestdet", OutputLayout::kFastestDet}};
 const std::map<std::string, InputFit> kFits = {{"stretch", InputFit::kStretch},

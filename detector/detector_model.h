@@ -8,7 +8,8 @@
 namespace edge_mcl {
 
 /// Layout of the network's output. N: number of boxes, C: number of classes. Boxes are in pixels of
-/// the network's input, or in shares of its width and height where the layout says so.
+/// the network's input, or in shares of its width and height where the layout says so. The boxes of
+/// kYolo, kYoloV8, kYoloV8Seg and kEndToEnd may be in shares: no box of pixels is that small.
 enum class OutputLayout {
   kSegmentation,  ///< [1, C, h, w]: scores before softmax; class 0 is the background
   kSsd,           ///< [1, 1, N, 7]: image, class, score; left, top, right, bottom in shares
@@ -16,6 +17,9 @@ enum class OutputLayout {
   kYolo,          ///< [1, N, 5 + C]: centre, size, objectness, class scores
   kYolox,         ///< as kYolo, with centre and size relative to the cells of several grids
   kYoloV8,        ///< [1, 4 + C, N]: centre, size, class scores
+  kYoloV8Seg,     ///< [1, 4 + C + M, N]: as kYoloV8, and M weights of mask prototypes; a second
+                  ///< output [1, M, h, w]: the prototypes
+  kEndToEnd,      ///< [1, N, 6]: left, top, right, bottom, score, class
   kDarknet,       ///< every output [N, 5 + C]: centre and size in shares, objectness, class scores;
                   ///< the class scores already contain the objectness
   kFastestDet,    ///< [1, 5 + C, h, w]: objectness, offset, size, class scores

@@ -68,7 +68,12 @@ MaskDetector::MaskDetector(const DetectorModel& model, const DetectorParameters&
   try {
     network_->net = cv::dnn::readNet(model.file, model.config_file);
   } catch (const std::exception& e) {
-    throw InputError("model " + model.name + ": " + model.file + " cannot be loaded: " + e.what());
+    const std::string why = e.what();
+    if (why.find("FLOAT16") != std::string::npos)
+      throw InputError("model " + model.name + ": " + model.file +
+                       " has half precision, which OpenCV does not read; export it with full "
+                       "precision (half=False)");
+    throw InputError("model " + model.name + ": " + model.file + " cannot be loaded: " + why);
   }
   if (network_->net.empty())
     throw InputError("model " + model.name + ": " + model.file + " holds no network");

@@ -8,6 +8,7 @@
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/image/edge_thresholds.h"
 #include "edge_mcl/core/image/edge_tracing.h"
+#include "edge_mcl/core/image/eight_bits.h"
 
 namespace edge_mcl {
 
@@ -66,8 +67,7 @@ Eigen::Vector2d EdgeImage::subPixel(int x, int y, const Eigen::Vector2d& n) cons
 
 cv::Mat toGrey(const cv::Mat& image, const std::string& origin) {
   if (image.empty()) throw InputError(origin + ": the image is empty");
-  cv::Mat eight = image;
-  if (image.depth() == CV_16U) image.convertTo(eight, CV_8U, 1.0 / 256);
+  const cv::Mat eight = toEightBits(image);
   if (eight.depth() != CV_8U) throw InputError(origin + ": only 8- and 16-bit images can be used");
   if (eight.channels() == 1) return eight.isContinuous() ? eight : eight.clone();
   cv::Mat grey;

@@ -108,6 +108,75 @@ TEST(OutputLayouts, YoloV8IsTransposed) {
   expectBox(boxes[0], 1, 0.9f, {25, 16, 10, 8});
 }
 
+TEST(OutputLayouts, EndToEnd) {
+  cv::Mat out = tensor({1, 300, 6});
+  const float row[6] = {25, 16, 35, 24, 0.9f, 1};
+  std::copy(row, row + 6, out.ptr<float>());
+  const auto boxes = decodeBoxes(modelOf(OutputLayout::kEndToEnd, 2), {out}, 0.5f);
+  ASSERT_EQ(boxes.size(), 1u);
+  expectBox(boxes[0], 1, 0.9f, {25, 16, 10, 8});
+  out.ptr<float>()[5] = 7;
+  EXPECT_THROW(decodeBoxes(modelOf(OutputLayout::kEndToEnd, 2), {out}, 0.5f), InputError);
+}
+
+TEST(OutputLayouts, BoxesInSharesOfTheInput) {
+  cv::Mat v8 = tensor({1, 6, 3}), yolo = tensor({1, 3, 7}), whole = tensor({1, 3, 6});
+  const float centred[6] = {30 / 64.0f, 20 / 32.0f, 10 / 64.0f, 8 / 32.0f, 0.1f, 0.9f};
+  for (int k = 0; k < 6; ++k) v8.ptr<float>()[k * 3 + 1] = centred[k];
+  const float with_object[7] = {30 / 64.0f, 20 / 32.0f, 10 / 64.0f, 8 / 32.0f, 0.9f, 0, 1};
+  std::copy(with_object, with_object + 7, yolo.ptr<float>());
+  const float corners[6] = {25 / 64.0f, 16 / 32.0f, 35 / 64.0f, 24 / 32.0f, 0.9f, 1};
+  std::copy(corners, corners + 6, whole.ptr<float>());
+  for (const auto& [layout, out] :
+       {std::pair{OutputLayout::kYoloV8, v8}, std::pair{OutputLayout::kYolo, yolo},
+        std::pair{OutputLayout::kEndToEnd, whole}}) {
+    const auto boxes = decodeBoxes(modelOf(layout, 2), {out}, 0.5f);
+    ASSERT_EQ(boxes.size(), 1u);
+    expectBox(boxes[0], 1, 0.9f, {25, 16, 10, 8});
+  }
+}
+
+/// Two prototypes: the left half of the image, and everything. The weights take the second minus
+/// twice the first, so the object is what lies to the right of the middle (32 px).
+TEST(OutputLayouts, YoloV8SegMakesMasksOfPrototypes) {
+  cv::Mat out = tensor({1, 8, 3}), prototypes = tensor({1, 2, 8, 16});
+  const float values[8] = {32, 16, 16, 16, 0.1f, 0.9f, -20, 10};
+  for (int k = 0; k < 8; ++k) out.ptr<float>()[k * 3 + 2] = values[k];
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 16; ++x) {
+      prototypes.ptr<float>(0, 0)[16 * y + x] = x < 8 ? 1 : 0;
+      prototypes.ptr<float>(0, 1)[16 * y + x] = 1;
+    }
+  for (const bool swapped : {false, true}) {
+    const std::vector<cv::Mat> outputs =
+        swapped ? std::vector{prototypes, out} : std::vector{out, prototypes};
+    const auto boxes = decodeBoxes(modelOf(OutputLayout::kYoloV8Seg, 2), outputs, 0.5f);
+    ASSERT_EQ(boxes.size(), 1u);
+    expectBox(boxes[0], 1, 0.9f, {24, 8, 16, 16});
+    // The box is 4 x 4 cells of the prototypes.
+    ASSERT_EQ(boxes[0].mask.size(), cv::Size(4, 4));
+    for (int x = 0; x < 4; ++x) EXPECT_NEAR(boxes[0].mask.at<float>(1, x), x < 2 ? 0 : 1, 1e-4);
+  }
+}
+
+TEST(OutputLayouts, AWrongLayoutNamesTheRightOne) {
+  const auto textOf = [](OutputLayout layout, const std::vector<int>& shape) -> std::string {
+    try {
+      decodeBoxes(modelOf(layout, 2), {tensor(shape)}, 0.5f);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const auto names = [](const std::string& text, const char* layout) {
+    return text.find(std::string("layout: ") + layout) != std::string::npos;
+  };
+  EXPECT_TRUE(names(textOf(OutputLayout::kYoloV8, {1, 300, 6}), "end_to_end"));
+  EXPECT_TRUE(names(textOf(OutputLayout::kYolo, {1, 6, 8400}), "yolov8"));
+  EXPECT_TRUE(names(textOf(OutputLayout::kYoloV8, {1, 25200, 7}), "yolo or yolox"));
+  EXPECT_TRUE(names(textOf(OutputLayout::kYoloV8, {1, 38, 8400}), "yolov8_seg"));
+}
+
 TEST(OutputLayouts, FastestDetCells) {
   cv::Mat out = tensor({1, 7, 2, 4});  // a grid of 4 x 2 cells
   const auto set = [&](int channel, float v) { out.ptr<float>(0, channel)[1 * 4 + 2] = v; };
@@ -126,7 +195,7 @@ TEST(OutputLayouts, FastestDetCells) {
 TEST(OutputLayouts, AnotherShapeIsAnErrorThatNamesBoth) {
   for (const OutputLayout layout :
        {OutputLayout::kSsd, OutputLayout::kYolo, OutputLayout::kYolox, OutputLayout::kYoloV8,
-        OutputLayout::kDarknet, OutputLayout::kFastestDet}) {
+        OutputLayout::kEndToEnd, OutputLayout::kDarknet, OutputLayout::kFastestDet}) {
     try {
       decodeBoxes(modelOf(layout, 2), {tensor({1, 5, 11})}, 0.5f);
       ADD_FAILURE() << "accepted";
