@@ -1,8 +1,12 @@
 #include "apps/recordings/recording_options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -11,23 +15,28 @@
 #include "edge_mcl/localization/map_factory.h"
 #include "edge_mcl/localization/recorded/moved_input.h"
 #include "edge_mcl/localization/recorded/sequence_input.h"
+#include "edge_mcl/localization/recorded/video_input.h"
 #include "edge_mcl/mrpt_plugins/rawlog_input.h"
 #ifdef EDGE_MCL_HAS_ROS
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-
 #include "edge_mcl/nodes/bags/bag_reader.h"
 #endif
 
 namespace edge_mcl {
 
 void RecordingOptions::addTo(CLI::App* c) {
-  c->add_option("sequence", recording,
-                "recording: a directory with rgb.txt, camera.yaml and sequence.yaml (see "
-                "docs/sequences.md), a ROS bag *.bag (see docs/ros.md) or an MRPT rawlog *.rawlog")
-      ->required();
+  c->add_option_function<std::vector<std::string>>(
+       "sequence",
+       [this](const std::vector<std::string>& names) {
+         parts = names;
+         recording = names.front();
+       },
+       "recording: a directory with rgb.txt, camera.yaml and sequence.yaml (see "
+       "docs/sequences.md), a folder of EuRoC or KITTI or of photographs, a video, a ROS bag (see "
+       "docs/ros.md) or all parts of one, or an MRPT rawlog")
+      ->required()
+      ->expected(1, 10000);
   c->add_option("--model", model,
-                "model file; default: SEQUENCE/model.obj; required for a bag or rawlog");
+                "model file; default: SEQUENCE/model.obj; required for other recordings");
   CLI::Option* initial_spread =
       c->add_option("--initial-std", initial_std,
                     "standard deviation of the initial pose per axis, as metres,degrees; default: "
@@ -47,14 +56,14 @@ void RecordingOptions::addTo(CLI::App* c) {
       "names of topics and frames in a bag, e.g. image=/cam/image_raw,mask=,odom_frame=odom "
       "(see docs/ros.md); default: the names that `edge-mcl bag` writes");
   c->add_option("--initial-pose", initial_pose,
-                "initial pose of the base as x,y,z,roll,pitch,yaw, in metres and degrees; only for "
-                "a bag or rawlog; default: the initial pose of the recording")
+                "initial pose of the base as x,y,z,roll,pitch,yaw, in metres and degrees; in a "
+                "directory or video of the camera (x right, y down, z ahead); default: the initial "
+                "pose of the recording")
       ->excludes(everywhere)
       ->excludes(upright);
-  c->add_option(
-      "--camera", camera,
-      "file with the calibration (YAML of ROS camera_calibration), for rawlogs whose images have "
-      "none, as MRPT's rosbag2rawlog writes them; default: the calibration in the rawlog");
+  c->add_option("--camera", camera,
+                "file with the calibration (of ROS camera_calibration, OpenCV, Kalibr, EuRoC, "
+                "ORB-SLAM or VINS); default: the calibration in the recording");
   c->add_flag("--depth", depth,
               "use the depth images as well: sets likelihood.cues to both, unless it is depth");
   CLI::Option* without_masks = c->add_flag(
@@ -66,13 +75,38 @@ void RecordingOptions::addTo(CLI::App* c) {
   parameters.addTo(c);
 }
 
+namespace {
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() > ending.size() &&
+         std::equal(ending.rbegin(), ending.rend(), text.rbegin(), [](char a, char b) {
+           return a == std::tolower(static_cast<unsigned char>(b));
+         });
+}
+
+/// @param what was found. @throws InputError
+[[noreturn]] void refuseRos2(const std::string& recording, const std::string& what) {
+  const std::string folder = std::filesystem::path(recording).parent_path().string();
+  throw InputError(recording + ": " + what +
+                   "; convert its folder with `pip install rosbags` and `rosbags-convert --src " +
+                   (folder.empty() ? "." : folder) + " --dst ros1.bag`");
+}
+
+}  // namespace
+
 RecordingKind kindOf(const std::string& recording) {
-  const auto endsWith = [&](const std::string& ending) {
-    return recording.size() > ending.size() &&
-           recording.compare(recording.size() - ending.size(), ending.size(), ending) == 0;
-  };
-  if (endsWith(".bag")) return RecordingKind::kBag;
-  if (endsWith(".rawlog")) return RecordingKind::kRawlog;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(recording, ignored)) return RecordingKind::kDirectory;
+  std::string head(16, '\0');
+  std::ifstream in(recording, std::ios::binary);
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (head.rfind("#ROSBAG V", 0) == 0) return RecordingKind::kBag;
+  if (head.rfind("\x89MCAP0", 0) == 0) refuseRos2(recording, "an MCAP file of ROS 2");
+  if (head.rfind("SQLite format 3", 0) == 0) refuseRos2(recording, "a bag of ROS 2 (SQLite)");
+  if (endsWith(recording, ".bag") || endsWith(recording, ".bag.active")) return RecordingKind::kBag;
+  if (endsWith(recording, ".rawlog")) return RecordingKind::kRawlog;
+  for (const char* ending : {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg", ".mjpeg"})
+    if (endsWith(recording, ending)) return RecordingKind::kVideo;
   return RecordingKind::kDirectory;
 }
 
@@ -97,11 +131,20 @@ std::pair<double, double> parseInitialStd(const std::string& text) {
   return {metres, degrees * M_PI / 180};
 }
 
-/// @throws ParameterError when an option is set that only bags or rawlogs have
-void checkOptionsOfDirectory(const RecordingOptions& o) {
-  if (!o.topics.empty() || !o.initial_pose.empty())
-    throw ParameterError("--topics needs a bag, and --initial-pose needs a bag or rawlog");
-  if (!o.camera.empty()) throw ParameterError("--camera needs a rawlog");
+/// @throws ParameterError when an option does not fit the kind of recording
+void checkOptions(const RecordingOptions& o, RecordingKind kind) {
+  if (kind != RecordingKind::kBag) {
+    if (!o.topics.empty()) throw ParameterError("--topics needs a bag");
+    if (o.parts.size() > 1)
+      throw ParameterError(o.parts[1] + ": only a bag can have several parts");
+  }
+  if (kind != RecordingKind::kDirectory && !o.masks.empty())
+    throw ParameterError("--masks needs a sequence directory");
+}
+
+std::optional<CameraModel> givenCamera(const RecordingOptions& o) {
+  if (o.camera.empty()) return std::nullopt;
+  return CameraModel::fromYamlFile(o.camera);
 }
 
 #ifdef EDGE_MCL_HAS_ROS
@@ -116,7 +159,9 @@ BagTopics parseTopics(const RecordingOptions& o) {
                                              {"initialpose", &topics.initial_pose},
                                              {"odometry", &topics.odometry},
                                              {"odom_frame", &topics.odom_frame},
-                                             {"base_frame", &topics.base_frame}};
+                                             {"base_frame", &topics.base_frame},
+                                             {"camera_frame", &topics.camera_frame},
+                                             {"rectified", &topics.rectified}};
   std::istringstream list(o.topics);
   for (std::string entry; std::getline(list, entry, ',');) {
     const auto equals = entry.find('=');
@@ -126,16 +171,14 @@ BagTopics parseTopics(const RecordingOptions& o) {
           "--topics " + entry +
           ": must have the form NAME=TOPIC, where NAME is one of image, camera_info, mask, depth, "
           "depth_info, truth, "
-          "initialpose, odometry, odom_frame, base_frame");
+          "initialpose, odometry, odom_frame, base_frame, camera_frame, rectified");
     *field->second = entry.substr(equals + 1);
   }
+  if (topics.rectified != "auto" && topics.rectified != "true" && topics.rectified != "false")
+    throw ParameterError("--topics rectified=" + topics.rectified +
+                         ": must be auto, true or false");
   if (o.no_mask) topics.mask.clear();
   return topics;
-}
-
-bool hasMessages(const std::string& file, const std::string& topic) {
-  const rosbag::Bag bag(file);
-  return rosbag::View(bag, rosbag::TopicQuery(topic)).size() > 0;
 }
 #endif
 
@@ -155,10 +198,7 @@ PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaus
     pose = *recorded;
   } else {
     throw InputError(o.recording + ": the recording has no initial pose; " +
-                     (kindOf(o.recording) == RecordingKind::kDirectory
-                          ? "set initial_pose in its sequence.yaml"
-                          : "give it with --initial-pose") +
-                     ", or search for it with --global");
+                     "give it with --initial-pose" + ", or search for it with --global");
   }
   if (!o.initial_std.empty() || pose.covariance.isZero()) {
     const auto [metres, radians] = parseInitialStd(o.initial_std.empty() ? "0.1,3" : o.initial_std);
@@ -171,8 +211,7 @@ PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaus
 
 void openDirectory(const RecordingOptions& o, const Parameters& params, bool everything,
                    OpenedRecording* opened) {
-  checkOptionsOfDirectory(o);
-  Sequence sequence = readSequence(o.recording);
+  Sequence sequence = readSequence(o.recording, o.camera);
   if (!o.masks.empty()) useMasks(o.masks, &sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
   opened->name = sequence.name;
@@ -189,12 +228,9 @@ void openDirectory(const RecordingOptions& o, const Parameters& params, bool eve
 
 std::unique_ptr<RecordedInput> openRawlog(const RecordingOptions& o, const Parameters& params,
                                           bool everything) {
-  if (!o.topics.empty()) throw ParameterError("--topics needs a bag");
   const bool needs_depth = params.likelihood.cues != Cues::kEdges;
-  std::optional<CameraModel> camera;
-  if (!o.camera.empty()) camera = CameraModel::fromYamlFile(o.camera);
-  auto rawlog =
-      std::make_unique<RawlogInput>(o.recording, !o.no_mask, everything || needs_depth, camera);
+  auto rawlog = std::make_unique<RawlogInput>(o.recording, !o.no_mask, everything || needs_depth,
+                                              givenCamera(o));
   if (needs_depth && rawlog->rangeCount() == 0)
     throw InputError(o.recording + ": depth asked for, but the rawlog has no range images");
   return rawlog;
@@ -206,8 +242,9 @@ std::unique_ptr<RecordedInput> openBag(const RecordingOptions& o, const Paramete
   const bool needs_depth = params.likelihood.cues != Cues::kEdges;
   BagTopics topics = parseTopics(o);
   if (!everything && !needs_depth) topics.depth.clear();
-  auto bag = std::make_unique<BagReader>(o.recording, topics);
-  if (needs_depth && !hasMessages(o.recording, topics.depth))
+  auto bag = std::make_unique<BagReader>(o.parts.empty() ? std::vector{o.recording} : o.parts,
+                                         topics, givenCamera(o));
+  if (needs_depth && !bag->hasDepth())
     throw InputError(o.recording + ": depth asked for, but there are no images on '" +
                      topics.depth + "'");
   return bag;
@@ -216,6 +253,22 @@ std::unique_ptr<RecordedInput> openBag(const RecordingOptions& o, const Paramete
   (void)everything;
   throw InputError(o.recording + ": this build has no ROS, so it cannot read bags");
 #endif
+}
+
+std::unique_ptr<RecordedInput> openVideo(const RecordingOptions& o, const Parameters& params) {
+  if (params.likelihood.cues != Cues::kEdges)
+    throw InputError(o.recording + ": depth asked for, but a video has no depth");
+  const auto camera = givenCamera(o);
+  if (!camera)
+    throw InputError(o.recording + ": a video needs its calibration; name it with --camera");
+  return std::make_unique<VideoInput>(o.recording, *camera);
+}
+
+void printNotes(const RecordedInput& input, const std::string& name) {
+  for (const std::string& note : input.notes())
+    std::fprintf(stderr, "note: %s: %s\n", name.c_str(), note.c_str());
+  if (const std::string damage = input.damage(); !damage.empty())
+    std::fprintf(stderr, "warning: %s\n", damage.c_str());
 }
 
 }  // namespace
@@ -232,19 +285,20 @@ std::optional<Eigen::Vector3d> parseUp(const std::string& text) {
 
 std::unique_ptr<RecordedInput> openInput(const RecordingOptions& o) {
   const RecordingKind kind = kindOf(o.recording);
+  checkOptions(o, kind);
   std::unique_ptr<RecordedInput> input;
   if (kind == RecordingKind::kDirectory) {
-    checkOptionsOfDirectory(o);
-    Sequence sequence = readSequence(o.recording);
+    Sequence sequence = readSequence(o.recording, o.camera);
     for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
     input = std::make_unique<SequenceInput>(std::move(sequence), SequenceParts{true, true, true});
   } else if (kind == RecordingKind::kRawlog) {
     input = openRawlog(o, {}, true);
+  } else if (kind == RecordingKind::kVideo) {
+    input = openVideo(o, {});
   } else {
     input = openBag(o, {}, true);
   }
-  if (const std::string damage = input->damage(); !damage.empty())
-    std::fprintf(stderr, "warning: %s\n", damage.c_str());
+  printNotes(*input, o.recording);
   return input;
 }
 
@@ -254,18 +308,20 @@ OpenedRecording openRecording(const RecordingOptions& o, bool everything) {
   opened.name = o.recording;
   opened.model_file = o.model;
   const RecordingKind kind = kindOf(o.recording);
-  if (!o.camera.empty() && kind != RecordingKind::kRawlog)
-    throw ParameterError("--camera needs a rawlog");
+  checkOptions(o, kind);
   if (kind == RecordingKind::kDirectory) {
     openDirectory(o, params, everything, &opened);
   } else {
-    if (!o.masks.empty()) throw ParameterError("--masks needs a sequence directory");
     if (o.model.empty()) throw InputError(o.recording + ": name the model with --model");
-    opened.input = kind == RecordingKind::kRawlog ? openRawlog(o, params, everything)
-                                                  : openBag(o, params, everything);
+    if (kind == RecordingKind::kRawlog)
+      opened.input = openRawlog(o, params, everything);
+    else if (kind == RecordingKind::kVideo)
+      opened.input = openVideo(o, params);
+    else
+      opened.input = openBag(o, params, everything);
+    if (kind == RecordingKind::kVideo) opened.trajectory_pose = "T_map_camera";
   }
-  if (const std::string damage = opened.input->damage(); !damage.empty())
-    std::fprintf(stderr, "warning: %s\n", damage.c_str());
+  printNotes(*opened.input, o.recording);
   opened.start.up_base = parseUp(o.up);
   if (!o.global && !opened.start.up_base)
     opened.start.pose = initialPose(o, opened.input->initialPose());

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "apps/common_options.h"
 #include "edge_mcl/core/localization_map.h"
@@ -16,9 +17,9 @@ namespace edge_mcl {
 /// The options. An empty text means that the option is not given.
 struct RecordingOptions {
   std::string recording, model, initial_std, masks, up;
-  /// `topics` is only for a bag, `initial_pose` only for a bag or rawlog.
-  std::string topics, initial_pose;
-  std::string camera;  // only for a rawlog
+  std::vector<std::string> parts;  ///< all files of a recording in parts; the first is `recording`
+  std::string topics;              ///< only for a bag
+  std::string initial_pose, camera;
   bool no_mask = false, depth = false, global = false;
   ParameterOptions parameters;
 
@@ -26,8 +27,10 @@ struct RecordingOptions {
   void addTo(CLI::App* command);
 };
 
-enum class RecordingKind { kDirectory, kBag, kRawlog };
-/// The kind of a recording by the ending of its name: .bag, .rawlog, or a directory.
+enum class RecordingKind { kDirectory, kBag, kRawlog, kVideo };
+/// The kind of a recording: a directory, a bag by its first bytes, a rawlog or a video by the
+/// ending of its name. What does not exist has the kind of its name.
+/// @throws InputError when it was recorded by ROS 2
 RecordingKind kindOf(const std::string& recording);
 
 /// Reads a direction "x,y,z", e.g. "0,-1,0".

@@ -8,6 +8,7 @@
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/base/yaml_file.h"
 #include "edge_mcl/core/depth/depth_points.h"
+#include "edge_mcl/core/recordings/foreign_folders.h"
 
 namespace edge_mcl {
 
@@ -147,7 +148,31 @@ void useMasks(const std::string& directory, Sequence* sequence) {
     sequence->warnings.push_back(directory + "/" + missingMasks(images - count, images));
 }
 
-Sequence readSequence(const std::string& directory) {
+void fillFrames(const SequenceLists& lists, Sequence* sequence) {
+  for (const StampedFile& entry : lists.images) {
+    if (!sequence->frames.empty() && entry.time <= sequence->frames.back().time) {
+      sequence->warnings.push_back(lists.origin + ": time goes back at " + entry.time_text +
+                                   ", the image is left out");
+      continue;
+    }
+    SequenceFrame frame;
+    frame.time = entry.time;
+    frame.time_text = entry.time_text;
+    frame.image_file = entry.file;
+    if (const StampedFile* mask = nearestInTime(lists.masks, entry.time))
+      frame.mask_file = mask->file;
+    if (const StampedFile* d = nearestInTime(sequence->depths, entry.time, kDepthWindow))
+      frame.depth_file = d->file;
+    frame.odometry = odometryAt(lists.odometry, entry.time);
+    if (const StampedPose* p = nearestInTime(lists.truth, entry.time)) frame.ground_truth = p->pose;
+    sequence->frames.push_back(std::move(frame));
+  }
+  if (sequence->frames.empty()) throw InputError(lists.origin + ": no images listed");
+  sequence->has_odometry = !lists.odometry.empty();
+  warnOfWhatDoesNotMatch(!lists.masks.empty(), sequence->directory, sequence);
+}
+
+Sequence readSequence(const std::string& directory, const std::string& camera_file) {
   const fs::path root(directory);
   std::error_code ignored;
   if (!fs::is_directory(root, ignored)) throw InputError(directory + ": no such directory");
@@ -157,44 +182,24 @@ Sequence readSequence(const std::string& directory) {
   sequence.directory = directory;
   const fs::path full = fs::absolute(root).lexically_normal();
   sequence.name = (full.has_filename() ? full : full.parent_path()).filename().string();
-  sequence.camera = CameraModel::fromYamlFile(inside("camera.yaml"));
   if (fs::exists(inside("sequence.yaml"), ignored))
     readDescription(inside("sequence.yaml"), &sequence);
   if (fs::exists(inside("model.obj"), ignored)) sequence.model_file = inside("model.obj");
+  if (readForeignFolder(camera_file, &sequence)) return sequence;
 
-  std::vector<StampedFile> masks;
-  if (fs::exists(inside("mask.txt"), ignored)) masks = sortedList(root, "mask.txt");
+  sequence.camera =
+      CameraModel::fromYamlFile(camera_file.empty() ? inside("camera.yaml") : camera_file);
+  SequenceLists lists;
+  lists.origin = inside("rgb.txt");
+  if (fs::exists(inside("mask.txt"), ignored)) lists.masks = sortedList(root, "mask.txt");
   if (fs::exists(inside("depth.txt"), ignored)) sequence.depths = sortedList(root, "depth.txt");
-  Trajectory odometry, truth;
   if (fs::exists(inside("odometry.txt"), ignored))
-    odometry = readTrajectory(inside("odometry.txt"));
+    lists.odometry = readTrajectory(inside("odometry.txt"));
   if (fs::exists(inside("groundtruth.txt"), ignored))
-    truth = readTrajectory(inside("groundtruth.txt"));
-  sequence.has_odometry = !odometry.empty();
-
-  for (const StampedFile& entry : readFileList(inside("rgb.txt"))) {
-    constexpr double kLatest = 1e11;  // s, about 3000 years
-    if (std::abs(entry.time) > kLatest)
-      throw InputError(inside("rgb.txt") + ": the stamp " + entry.time_text +
-                       " is not a time in seconds (is it in milliseconds or nanoseconds?)");
-    if (!sequence.frames.empty() && entry.time <= sequence.frames.back().time) {
-      sequence.warnings.push_back(inside("rgb.txt") + ": time goes back at " + entry.time_text +
-                                  ", the image is left out");
-      continue;
-    }
-    SequenceFrame frame;
-    frame.time = entry.time;
-    frame.time_text = entry.time_text;
-    frame.image_file = inside(entry.file);
-    if (const StampedFile* mask = nearestInTime(masks, entry.time)) frame.mask_file = mask->file;
-    if (const StampedFile* d = nearestInTime(sequence.depths, entry.time, kDepthWindow))
-      frame.depth_file = d->file;
-    frame.odometry = odometryAt(odometry, entry.time);
-    if (const StampedPose* p = nearestInTime(truth, entry.time)) frame.ground_truth = p->pose;
-    sequence.frames.push_back(std::move(frame));
-  }
-  if (sequence.frames.empty()) throw InputError(inside("rgb.txt") + ": no images listed");
-  warnOfWhatDoesNotMatch(!masks.empty(), directory, &sequence);
+    lists.truth = readTrajectory(inside("groundtruth.txt"));
+  lists.images = readFileList(lists.origin);
+  for (StampedFile& image : lists.images) image.file = inside(image.file);
+  fillFrames(lists, &sequence);
   return sequence;
 }
 
@@ -208,7 +213,7 @@ cv::Mat readImage(const std::string& file, const CameraModel& camera) {
   if (image.empty()) throw InputError(file + ": missing or not a readable image");
   if (image.cols != camera.width || image.rows != camera.height)
     throw InputError(file + ": " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                     " pixels, camera.yaml says " + std::to_string(camera.width) + "x" +
+                     " pixels, the calibration says " + std::to_string(camera.width) + "x" +
                      std::to_string(camera.height));
   return image;
 }

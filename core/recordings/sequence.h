@@ -41,8 +41,10 @@ struct Sequence {
 /// and groundtruth.txt. Images whose time does not increase are left out with a warning. Odometry
 /// is interpolated to the times of the images. Warnings tell when masks, depth images or odometry
 /// fit no image, and when masks or odometry are missing for some images.
+/// The folders of other programs that readForeignFolder() knows are read as well.
+/// @param camera_file calibration; empty: camera.yaml, or that of the folder.
 /// @throws InputError that names file and fault.
-Sequence readSequence(const std::string& directory);
+Sequence readSequence(const std::string& directory, const std::string& camera_file = "");
 
 /// Replaces the masks of a sequence by those that DIRECTORY/mask.txt lists. A warning tells how
 /// many images have no mask there.

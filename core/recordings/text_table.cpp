@@ -1,6 +1,9 @@
 #include "edge_mcl/core/recordings/text_table.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
@@ -23,6 +26,7 @@ void forEachLine(const std::string& file, F&& f) {
   for (int number = 1; std::getline(in, text); ++number) {
     const auto comment = text.find('#');
     if (comment != std::string::npos) text.resize(comment);
+    std::replace(text.begin(), text.end(), ',', ' ');
     std::istringstream words(text);
     std::vector<std::string> fields;
     for (std::string word; words >> word;) fields.push_back(word);
@@ -43,15 +47,81 @@ double parseFinite(const std::string& text, const std::string& where) {
   return value;
 }
 
+/// A stamp in seconds. Since 1970 there have been more than 1e9 and less than 1e10 s, so the size
+/// of a number tells its unit.
+struct Stamp {
+  double seconds;
+  std::string text;  // in seconds
+};
+
+Stamp stampOf(const std::string& text, const std::string& where) {
+  constexpr double kLatest = 1e11;  // s, about 3000 years
+  const double value = parseFinite(text, where);
+  if (std::abs(value) < kLatest) return {value, text};
+  size_t digits = 3;
+  while (digits < 9 && std::abs(value) >= kLatest * std::pow(10, digits)) digits += 3;
+  if (std::abs(value) >= kLatest * std::pow(10, digits))
+    throw InputError(where + ": '" + text + "' is not a time");
+  const auto point = text.find_first_not_of("0123456789");
+  // Only whole numbers keep all their digits.
+  if (point != std::string::npos || text.size() <= digits) {
+    char seconds[40];
+    std::snprintf(seconds, sizeof seconds, "%.6f", value / std::pow(10, digits));
+    return {value / std::pow(10, digits), seconds};
+  }
+  const std::string seconds =
+      text.substr(0, text.size() - digits) + "." + text.substr(text.size() - digits);
+  return {std::stod(seconds), seconds};
+}
+
+enum class QuaternionOrder { kXyzw, kWxyz, kUnknown };
+
+/// The order that the first line tells. Without commas it is that of TUM.
+QuaternionOrder orderOf(const std::string& file) {
+  std::ifstream in(file);
+  std::string head;
+  std::getline(in, head);
+  std::transform(head.begin(), head.end(), head.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  // Names as in "qw", "q_w" and "q_RS_w".
+  const auto find = [&](char part) {
+    for (const std::string name : {"q", "q_", "q_rs_"})
+      if (const auto at = head.find(name + part); at != std::string::npos) return at;
+    return std::string::npos;
+  };
+  const auto w = find('w'), x = find('x');
+  if (w != std::string::npos && x != std::string::npos)
+    return w < x ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
+  return head.find(',') == std::string::npos ? QuaternionOrder::kXyzw : QuaternionOrder::kUnknown;
+}
+
 }  // namespace
+
+double stampIn(std::string* text, const std::string& where) {
+  const Stamp stamp = stampOf(*text, where);
+  *text = stamp.text;
+  return stamp.seconds;
+}
 
 Trajectory readTrajectory(const std::string& file) {
   Trajectory trajectory;
+  const QuaternionOrder order = orderOf(file);
   forEachLine(file, [&](int number, const std::vector<std::string>& fields) {
     const std::string where = file + ":" + std::to_string(number);
+    // The names of the columns, where no '#' is before them.
+    if (number == 1 && std::isalpha(static_cast<unsigned char>(fields[0][0])) &&
+        fields[0].rfind("nan", 0) != 0 && fields[0].rfind("inf", 0) != 0)
+      return;
+    if (order == QuaternionOrder::kUnknown)
+      throw InputError(file +
+                       ": a table with commas needs a first line that names the columns, e.g. "
+                       "'#timestamp,tx,ty,tz,qw,qx,qy,qz'");
     if (fields.size() < 8) throw InputError(where + ": 'timestamp tx ty tz qx qy qz qw' expected");
+    const Stamp stamp = stampOf(fields[0], where);
     double v[8];
-    for (int i = 0; i < 8; ++i) v[i] = parseFinite(fields[i], where);
+    v[0] = stamp.seconds;
+    for (int i = 1; i < 8; ++i) v[i] = parseFinite(fields[i], where);
+    if (order == QuaternionOrder::kWxyz) std::rotate(v + 4, v + 5, v + 8);
     const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
     if (std::abs(q.norm() - 1) > 0.01)
       throw InputError(where + ": the quaternion must have unit length");
@@ -59,7 +129,7 @@ Trajectory readTrajectory(const std::string& file) {
       throw InputError(where + ": time does not increase");
     StampedPose entry;
     entry.time = v[0];
-    entry.time_text = fields[0];
+    entry.time_text = stamp.text;
     entry.pose.linear() = q.normalized().toRotationMatrix();
     entry.pose.translation() = Eigen::Vector3d(v[1], v[2], v[3]);
     trajectory.push_back(entry);
@@ -81,7 +151,8 @@ std::vector<StampedFile> readFileList(const std::string& file) {
   forEachLine(file, [&](int number, const std::vector<std::string>& fields) {
     const std::string where = file + ":" + std::to_string(number);
     if (fields.size() != 2) throw InputError(where + ": 'timestamp filename' expected");
-    list.push_back({parseFinite(fields[0], where), fields[0], fields[1]});
+    const Stamp stamp = stampOf(fields[0], where);
+    list.push_back({stamp.seconds, stamp.text, fields[1]});
   });
   return list;
 }

@@ -18,6 +18,7 @@ class MovedInput : public RecordedInput {
   const std::optional<PoseGaussian>& initialPose() const override { return initial_; }
   const Trajectory& truth() const override { return truth_; }
   std::string damage() const override { return input_->damage(); }
+  std::vector<std::string> notes() const override { return input_->notes(); }
   bool next(LiveInput* input, std::string* problem) override {
     return input_->next(input, problem);
   }

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "edge_mcl/core/recordings/text_table.h"
 #include "edge_mcl/localization/tracking/live_localizer.h"
@@ -21,6 +22,8 @@ class RecordedInput {
   virtual const Trajectory& truth() const = 0;
   /// One line that says which part of the recording is missing; empty if nothing is missing.
   virtual std::string damage() const { return {}; }
+  /// What the user should know about how the recording is read, one line each.
+  virtual std::vector<std::string> notes() const { return {}; }
   /// Reads the next moment. Data that cannot be read are left out of `input`.
   /// @param problem one line about the data that were left out; empty if there are none.
   /// @return false at the end of the recording.

@@ -3,81 +3,107 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Odometry.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/nodes/bags/bag_images.h"
+#include "edge_mcl/nodes/bags/bag_set.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
 #include "edge_mcl/nodes/messages/sensor_mounting.h"
 
 namespace edge_mcl {
 
+namespace {
+
+bool contains(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The topic camera_info beside a topic of images, as image_transport has it.
+std::string infoBeside(const std::string& images) {
+  const std::string raw = uncompressedTopic(images);
+  const auto slash = raw.rfind('/');
+  return (slash == std::string::npos ? "" : raw.substr(0, slash + 1)) + "camera_info";
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
 struct BagReader::Impl {
+  explicit Impl(const std::vector<std::string>& files, BagTopics names)
+      : file(files.front()),
+        topics(std::move(names)),
+        bags(files),
+        mounting(topics.base_frame, 0) {}
+
   std::string file;
   BagTopics topics;
-  rosbag::Bag bag;
+  BagSet bags;
   std::unique_ptr<tf2::BufferCore> transforms;
   std::unique_ptr<tf2::BufferCore> odometry;  // from messages; null: tf has it
   std::optional<CameraModel> camera, depth_camera;
+  bool is_rectified = false, is_depth_rectified = false;
   std::optional<PoseGaussian> initial_pose;
   Trajectory truth;
-  /// Images of another topic (masks or depth) that belong to the images of the camera. They are
-  /// read ahead, because they may be recorded later than their image.
-  struct Companion {
-    std::unique_ptr<rosbag::View> view;
-    rosbag::View::iterator next;
-    std::map<ros::Time, sensor_msgs::ImageConstPtr> waiting;
-
-    void open(const rosbag::Bag& from, const std::string& topic) {
-      view = std::make_unique<rosbag::View>(from, rosbag::TopicQuery(topic));
-      next = view->begin();
-    }
-    /// The image nearest to a stamp, within `tolerance` seconds; null: there is none. Images that
-    /// are more than 0.1 s older are forgotten.
-    sensor_msgs::ImageConstPtr take(const ros::Time& stamp, const ros::Time& received,
-                                    double tolerance) {
-      if (!view) return nullptr;
-      constexpr double kLatest = 2;  // s that it may be recorded after its image
-      while ((waiting.empty() || waiting.rbegin()->first < stamp) && next != view->end() &&
-             (*next).getTime() <= received + ros::Duration(kLatest)) {
-        if (const auto message = (*next).instantiate<sensor_msgs::Image>())
-          waiting[message->header.stamp] = message;
-        ++next;
-      }
-      sensor_msgs::ImageConstPtr nearest;
-      for (const auto& [at, message] : waiting) {
-        const double offset = std::abs((at - stamp).toSec());
-        if (offset > tolerance) continue;
-        tolerance = offset;
-        nearest = message;
-      }
-      const ros::Duration kept(0.1);
-      if (stamp.toSec() > kept.toSec())
-        waiting.erase(waiting.begin(), waiting.lower_bound(stamp - kept));
-      return nearest;
-    }
-  };
   std::unique_ptr<rosbag::View> images;
   rosbag::View::iterator image;
-  Companion masks, depths;
+  CompanionImages masks, depths;
+  CameraMounting mounting;
+  /// Is added to the stamps of images and depth images of a camera with a clock of its own.
+  ros::Duration clock_offset;
+  std::vector<std::string> notes;
+
+  /// Finds the topics of the images. @throws InputError when the bag has no images
+  void findTopics() {
+    topics.image = bags.recordedTopic(topics.image);
+    if (!bags.has(topics.image)) {
+      std::vector<std::string> found = bags.imageTopics();
+      const std::vector<std::string> all = found;
+      found.erase(std::remove_if(found.begin(), found.end(),
+                                 [](const std::string& topic) {
+                                   return contains(topic, "depth") || contains(topic, "mask");
+                                 }),
+                  found.end());
+      if (found.size() != 1)
+        throw InputError(file + ": no images on " + topics.image + "; topics with images: " +
+                         joined(all) + (all.empty() ? "" : "; name one with --topics image=..."));
+      notes.push_back("the images are those on " + found.front());
+      topics.image = found.front();
+    }
+    if (topics.camera_info.empty()) topics.camera_info = infoBeside(topics.image);
+    if (!topics.depth.empty()) topics.depth = bags.recordedTopic(topics.depth);
+    if (topics.depth_info.empty() && !topics.depth.empty())
+      topics.depth_info = infoBeside(topics.depth);
+    if (!topics.mask.empty()) topics.mask = bags.recordedTopic(topics.mask);
+    for (std::string* frame : {&topics.odom_frame, &topics.base_frame, &topics.camera_frame})
+      *frame = frameName(*frame);
+    is_rectified = topics.rectified == "true" ||
+                   (topics.rectified == "auto" && isRectifiedTopic(topics.image));
+    is_depth_rectified = isRectifiedTopic(topics.depth);
+  }
 
   void readTransforms() {
-    rosbag::View all(bag);
-    if (all.size() == 0) throw InputError(file + ": the bag has no messages");
+    const auto all = bags.view();
+    if (all->size() == 0) throw InputError(file + ": the bag has no messages");
     transforms = std::make_unique<tf2::BufferCore>(
-        ros::Duration((all.getEndTime() - all.getBeginTime()).toSec() + 60));
-    rosbag::View view(bag, rosbag::TopicQuery(std::vector<std::string>{"/tf", "/tf_static", "tf"}));
-    for (const rosbag::MessageInstance& m : view) {
+        ros::Duration((all->getEndTime() - all->getBeginTime()).toSec() + 60));
+    // Old bags have the type of tf1, with the same content. A robot's tf may have a namespace.
+    const auto view = bags.view(bags.topicsOf({"tf2_msgs/TFMessage", "tf/tfMessage"}));
+    for (const rosbag::MessageInstance& m : *view) {
       const auto message = m.instantiate<tf2_msgs::TFMessage>();
       if (!message) continue;
       for (const auto& t : message->transforms)
-        transforms->setTransform(t, "bag", m.getTopic() == "/tf_static");
+        transforms->setTransform(t, "bag", contains(m.getTopic(), "tf_static"));
     }
   }
 
@@ -87,9 +113,9 @@ struct BagReader::Impl {
     if (odom.empty() || topics.odometry.empty() ||
         transforms->canTransform(odom, base, ros::Time(0)))
       return;
-    rosbag::View view(bag, rosbag::TopicQuery(topics.odometry));
+    const auto view = bags.view({topics.odometry});
     odometry = std::make_unique<tf2::BufferCore>(transforms->getCacheLength());
-    for (const rosbag::MessageInstance& m : view) {
+    for (const rosbag::MessageInstance& m : *view) {
       const auto message = m.instantiate<nav_msgs::Odometry>();
       if (!message) continue;
       try {
@@ -102,16 +128,14 @@ struct BagReader::Impl {
   }
 
   void readSmallThings() {
-    rosbag::View view(
-        bag, rosbag::TopicQuery(std::vector<std::string>{topics.camera_info, topics.depth_info,
-                                                         topics.initial_pose, topics.truth}));
-    for (const rosbag::MessageInstance& m : view) {
-      if (m.getTopic() == topics.camera_info && !camera) {
-        if (const auto info = m.instantiate<sensor_msgs::CameraInfo>())
-          camera = fromMessage(*info, file + ": " + topics.camera_info);
-      } else if (m.getTopic() == topics.depth_info && !depth_camera) {
-        if (const auto info = m.instantiate<sensor_msgs::CameraInfo>())
-          depth_camera = fromMessage(*info, file + ": " + topics.depth_info);
+    const auto view =
+        bags.view({topics.camera_info, topics.depth_info, topics.initial_pose, topics.truth});
+    for (const rosbag::MessageInstance& m : *view) {
+      if (const auto info = m.instantiate<sensor_msgs::CameraInfo>()) {
+        if (m.getTopic() == topics.camera_info && !camera)
+          camera = fromMessage(*info, file + ": " + topics.camera_info, is_rectified);
+        if (m.getTopic() == topics.depth_info && !depth_camera)
+          depth_camera = fromMessage(*info, file + ": " + topics.depth_info, is_depth_rectified);
       } else if (const auto pose = m.instantiate<geometry_msgs::PoseWithCovarianceStamped>()) {
         if (m.getTopic() == topics.initial_pose && !initial_pose)
           initial_pose = fromMessage(pose->pose, file + ": " + topics.initial_pose);
@@ -122,16 +146,57 @@ struct BagReader::Impl {
                          fromMessage(stamped->pose, file + ": " + topics.truth)});
       }
     }
-    if (!camera) throw InputError(file + ": no camera_info on " + topics.camera_info);
+    if (!camera)
+      throw InputError(file + ": no camera_info on " + topics.camera_info +
+                       "; name a calibration file with --camera, or the topic with --topics "
+                       "camera_info=...; topics with camera_info: " +
+                       joined(bags.topicsOf({"sensor_msgs/CameraInfo"})));
   }
 
-  Pose mountingOf(const std_msgs::Header& header, const std::string& where) const {
-    return sensorMounting(*transforms, topics.base_frame, header, where);
+  const tf2::BufferCore& odometryBuffer() const { return odometry ? *odometry : *transforms; }
+
+  bool knowsOdometry(const ros::Time& stamp) const {
+    return !topics.odom_frame.empty() &&
+           odometryBuffer().canTransform(topics.odom_frame, topics.base_frame, stamp);
   }
+
+  /// Looks at the first image: where its camera is, and whether its clock is that of the recording.
+  void lookAhead() {
+    images = bags.view({topics.image});
+    image = images->begin();
+    sensor_msgs::ImageConstPtr first;
+    try {
+      first = imageOf(*image);
+      if (first) mounting.of(*transforms, first->header, topics.camera_frame, file);
+    } catch (const std::exception&) {
+      // next() tells it.
+    }
+    for (std::string& note : mounting.takeNotes()) notes.push_back(std::move(note));
+    if (!first) return;
+    if (first->header.stamp == (*image).getTime())
+      if (const auto raw = (*image).instantiate<sensor_msgs::Image>();
+          raw && raw->header.stamp.isZero())
+        notes.emplace_back(
+            "images without a stamp: the times at which they were recorded are used");
+    constexpr double kOtherClock = 5;  // s; no driver takes so long
+    const ros::Duration offset = (*image).getTime() - first->header.stamp;
+    if (std::abs(offset.toSec()) < kOtherClock || knowsOdometry(first->header.stamp) ||
+        !knowsOdometry((*image).getTime()))
+      return;
+    clock_offset = offset;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the stamps of the images are %.1f s %s the recording: the camera has a clock of "
+                  "its own; its stamps are shifted by that",
+                  std::abs(offset.toSec()), offset.toSec() > 0 ? "behind" : "ahead of");
+    notes.emplace_back(text);
+  }
+
+  ros::Time timeOf(const std_msgs::Header& header) const { return header.stamp + clock_offset; }
 
   LiveInput::CameraImage viewOf(const sensor_msgs::ImageConstPtr& message,
                                 const ros::Time& received) {
-    const std::string where = file + " at " + std::to_string(message->header.stamp.toSec());
+    const std::string where = file + " at " + std::to_string(timeOf(message->header).toSec());
     LiveInput::CameraImage view;
     view.origin = where;
     view.camera = *camera;
@@ -139,8 +204,15 @@ struct BagReader::Impl {
     view.image = fromMessage(message, where).clone();
     if (const auto m = masks.take(message->header.stamp, received, 0))
       view.mask = maskFromMessage(m, where + ": mask").clone();
-    view.T_base_camera = mountingOf(message->header, where);
+    view.T_base_camera = mountingOf(message->header, topics.camera_frame, where);
     return view;
+  }
+
+  Pose mountingOf(const std_msgs::Header& header, const std::string& frame,
+                  const std::string& where) {
+    std_msgs::Header shifted = header;
+    shifted.stamp = timeOf(header);
+    return mounting.of(*transforms, shifted, frame, where);
   }
 
   void addDepth(const LiveInput::CameraImage& view, const ros::Time& stamp,
@@ -151,7 +223,9 @@ struct BagReader::Impl {
     depth.image.origin = view.origin + ": depth";
     depth.image.camera = depth_camera ? *depth_camera : *camera;
     depth.image.depth = depthFromMessage(message, depth.image.origin).clone();
-    depth.T_base_camera = mountingOf(message->header, depth.image.origin);
+    depth.T_base_camera =
+        mountingOf(message->header, message->header.frame_id.empty() ? topics.camera_frame : "",
+                   depth.image.origin);
     if (!view.mask.empty())
       depth.image.mask = {view.mask, view.camera,
                           view.T_base_camera.inverse() * depth.T_base_camera};
@@ -159,29 +233,21 @@ struct BagReader::Impl {
   }
 };
 
-BagReader::BagReader(const std::string& file, BagTopics topics) : impl_(std::make_unique<Impl>()) {
+BagReader::BagReader(const std::vector<std::string>& files, BagTopics topics,
+                     const std::optional<CameraModel>& camera)
+    : impl_(std::make_unique<Impl>(files, std::move(topics))) {
   Impl& m = *impl_;
-  m.file = file;
-  m.topics = std::move(topics);
+  m.camera = camera;
   try {
-    m.bag.open(file, rosbag::bagmode::Read);
     m.readTransforms();
+    m.findTopics();
     m.readOdometry();
     m.readSmallThings();
-    m.images = std::make_unique<rosbag::View>(m.bag, rosbag::TopicQuery(m.topics.image));
-    m.image = m.images->begin();
-    if (!m.topics.mask.empty()) m.masks.open(m.bag, m.topics.mask);
-    if (!m.topics.depth.empty()) m.depths.open(m.bag, m.topics.depth);
+    if (!m.topics.mask.empty()) m.masks.open(m.bags, m.topics.mask);
+    if (!m.topics.depth.empty()) m.depths.open(m.bags, m.topics.depth);
+    m.lookAhead();
   } catch (const rosbag::BagException& e) {
-    throw InputError(file + ": cannot be read as a bag: " + e.what());
-  }
-  if (m.images->size() == 0) {
-    std::string there;
-    rosbag::View all(m.bag);
-    for (const rosbag::ConnectionInfo* c : all.getConnections())
-      if (c->datatype == "sensor_msgs/Image") there += " " + c->topic;
-    throw InputError(file + ": no images on " + m.topics.image +
-                     "; topics with images:" + (there.empty() ? " none" : there));
+    throw InputError(m.file + ": cannot be read as a bag: " + e.what());
   }
 }
 
@@ -190,6 +256,10 @@ BagReader::~BagReader() = default;
 size_t BagReader::imageCount() const { return impl_->images->size(); }
 const std::optional<PoseGaussian>& BagReader::initialPose() const { return impl_->initial_pose; }
 const Trajectory& BagReader::truth() const { return impl_->truth; }
+bool BagReader::hasDepth() const {
+  return !impl_->topics.depth.empty() && impl_->bags.has(impl_->topics.depth);
+}
+std::vector<std::string> BagReader::notes() const { return impl_->notes; }
 
 bool BagReader::next(LiveInput* input, std::string* problem) {
   Impl& m = *impl_;
@@ -198,18 +268,19 @@ bool BagReader::next(LiveInput* input, std::string* problem) {
   if (m.image == m.images->end()) return false;
   input->time = (*m.image).getTime().toSec();  // used when the stamp cannot be read
   try {
-    const auto message = (*m.image).instantiate<sensor_msgs::Image>();
-    if (!message) throw InputError(m.file + ": " + m.topics.image + " is not a sensor_msgs/Image");
-    const ros::Time stamp = message->header.stamp;
+    const auto message = imageOf(*m.image);
+    if (!message) throw InputError(m.file + ": " + m.topics.image + " holds no images");
+    const ros::Time stamp = m.timeOf(message->header);
     input->time = stamp.toSec();
-    const std::string &odom = m.topics.odom_frame, &base = m.topics.base_frame;
-    const tf2::BufferCore& odometry = m.odometry ? *m.odometry : *m.transforms;
-    if (!odom.empty() && odometry.canTransform(odom, base, stamp))
+    if (m.knowsOdometry(stamp) && !m.mounting.isBase())
       input->odometry =
-          fromMessage(odometry.lookupTransform(odom, base, stamp).transform, "odometry");
+          fromMessage(m.odometryBuffer()
+                          .lookupTransform(m.topics.odom_frame, m.topics.base_frame, stamp)
+                          .transform,
+                      "odometry");
     const ros::Time received = (*m.image).getTime();
     input->images.push_back(m.viewOf(message, received));
-    m.addDepth(input->images.back(), stamp, received, input);
+    m.addDepth(input->images.back(), message->header.stamp, received, input);
   } catch (const std::exception& e) {
     *problem = e.what();
   }

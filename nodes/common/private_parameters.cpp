@@ -1,6 +1,6 @@
 #include "edge_mcl/nodes/common/private_parameters.h"
 
-#include <ros/this_node.h>
+#include <ros/console.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
 namespace edge_mcl {
@@ -29,6 +29,21 @@ std::string textOf(const XmlRpc::XmlRpcValue& value) {
   }
 }
 
+/// Launch files set these in a node by habit. They say so and are left out.
+bool isMisplaced(const std::string& name) {
+  if (name == "use_sim_time") {
+    ROS_WARN("~use_sim_time has no effect in a node; set /use_sim_time");
+    return true;
+  }
+  if (name == "tf_prefix") {
+    ROS_WARN(
+        "~tf_prefix is not used, since tf2 has no prefixes; write the prefix into the names of the "
+        "frames (base_frame_id: robot1/base_link)");
+    return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool isForeignParameter(const std::string& name) {
@@ -47,6 +62,7 @@ std::map<std::string, std::string> readPrivateParameters(const ros::NodeHandle& 
   const std::string prefix = private_nh.getNamespace() + "/";
   for (const std::string& name : names) {
     if (name.rfind(prefix, 0) != 0) continue;
+    if (isMisplaced(name.substr(prefix.size()))) continue;
     XmlRpc::XmlRpcValue value;
     if (private_nh.getParam(name, value)) values[name.substr(prefix.size())] = textOf(value);
   }

@@ -12,6 +12,7 @@
 namespace edge_mcl {
 
 /// All parameters of a private namespace, as text. The elements of a list are separated by commas.
+/// Parameters that only have a meaning elsewhere are left out with a warning.
 std::map<std::string, std::string> readPrivateParameters(const ros::NodeHandle& private_nh);
 
 /// True for names that other libraries (image_transport, diagnostics) read from the same namespace.
@@ -25,8 +26,8 @@ Struct readParameterStruct(const ros::NodeHandle& private_nh) {
   Struct params;
   std::vector<std::string> faults;
   for (const auto& [name, value] : readPrivateParameters(private_nh)) {
-    if (isForeignParameter(name)) continue;
     const std::optional<std::string> fault = trySetParameter(name, value, &params);
+    if (!fault && isForeignParameter(name)) continue;
     if (!fault)
       faults.push_back(unknownParameter(name, parameterNames(params), "~"));
     else if (!fault->empty())

@@ -9,8 +9,10 @@
 #include <cmath>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/image/eight_bits.h"
 #include "edge_mcl/detector/default_model.h"
 #include "edge_mcl/detector/detection_overlay.h"
+#include "edge_mcl/nodes/common/caller_path.h"
 #include "edge_mcl/nodes/common/private_parameters.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
 
@@ -18,9 +20,9 @@ namespace edge_mcl {
 
 DetectorNode::DetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : params_(readParameterStruct<DetectorNodeParameters>(private_nh)),
-      detector_(
-          DetectorModel::fromYamlFile(params_.model.empty() ? defaultModelFile() : params_.model),
-          params_),
+      detector_(DetectorModel::fromYamlFile(params_.model.empty() ? defaultModelFile()
+                                                                  : callerPath(params_.model)),
+                params_),
       transport_(nh),
       diagnostics_(nh, private_nh),
       tracker_(params_) {
@@ -33,8 +35,9 @@ DetectorNode::DetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pri
   ROS_INFO("%s: the network takes %.0f ms for an image", detector_.model().name.c_str(),
            detector_.times().total());
   using Callback = boost::function<void(const sensor_msgs::ImageConstPtr&)>;
-  image_subscriber_ = transport_.subscribe(
-      "image", 1, Callback([this](const sensor_msgs::ImageConstPtr& m) { receive(m); }));
+  image_subscriber_.subscribe(
+      nh, &transport_, "image", 1, params_.image_transport,
+      Callback([this](const sensor_msgs::ImageConstPtr& m) { receive(m); }));
   network_ = std::thread([this] { runNetwork(); });
   worker_ = std::thread([this] { work(); });
 }
@@ -82,7 +85,7 @@ void DetectorNode::work() {
 
 void DetectorNode::handle(const sensor_msgs::ImageConstPtr& message) {
   cv::Mat image = fromMessage(message, "image");
-  if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 256);  // as in the localizer
+  image = toEightBits(image);
   if (message->header.stamp.isZero())
     throw InputError("image: it has no stamp, so a mask could not be matched to it");
   const double time = message->header.stamp.toSec();

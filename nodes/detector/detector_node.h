@@ -16,12 +16,14 @@
 #include "edge_mcl/detector/mask_detector.h"
 #include "edge_mcl/detector/object_tracker.h"
 #include "edge_mcl/nodes/common/wall_pace.h"
+#include "edge_mcl/nodes/messages/image_subscriber.h"
 
 namespace edge_mcl {
 
 /// Parameters of the detector node. The functions of parameter_struct.h work with them.
 struct DetectorNodeParameters : DetectorParameters {
   std::string model;
+  std::string image_transport = "raw";
   double max_rate = 0;
   bool every_image = false;
   int niceness = 5;
@@ -30,6 +32,8 @@ struct DetectorNodeParameters : DetectorParameters {
   void visit(Visitor&& v) {
     v("model", model, "", anyValue(),
       "YAML file that describes a network; empty: the network of this package");
+    v("image_transport", image_transport, "", anyValue(),
+      "transport of the images: raw, compressed, or another plugin of image_transport");
     v("max_rate", max_rate, "Hz", notNegative(),
       "largest rate at which the network runs, by the stamps of the images; 0 = no limit");
     v("every_image", every_image, "", anyValue(),
@@ -79,7 +83,7 @@ class DetectorNode {
   image_transport::ImageTransport transport_;
   ros::Publisher mask_publisher_, detections_publisher_;
   image_transport::Publisher overlay_publisher_;
-  image_transport::Subscriber image_subscriber_;
+  ImageSubscriber image_subscriber_;
   diagnostic_updater::Updater diagnostics_;
   WallPace diagnostics_pace_;
 

@@ -7,8 +7,10 @@
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/localization/map_factory.h"
+#include "edge_mcl/nodes/common/caller_path.h"
 #include "edge_mcl/nodes/common/private_parameters.h"
 #include "edge_mcl/nodes/localizer/particle_file.h"
+#include "edge_mcl/nodes/localizer/planar_pose.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
 
 namespace edge_mcl {
@@ -45,6 +47,7 @@ void forEachAdjustable(LocalizerConfig* config, TrackingParameters* tracking, F 
 LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : nh_(nh), private_nh_(private_nh), diagnostics_(nh, private_nh) {
   applyParameters(readPrivateParameters(private_nh_), &params_, &method_);
+  params_.model_file = callerPath(params_.model_file);
   const auto map = loadMap(params_.model_file, method_);
   localizer_ = std::make_unique<LiveLocalizer>(map, params_.search_in_background);
   if (params_.has_initial_pose) localizer_->setPose(params_.initialPose());
@@ -151,8 +154,9 @@ void LocalizerNode::receiveInitialPose(
 
 std::string LocalizerNode::setPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   try {
+    const bool is_planar = isPlanar(message.pose);
     PoseGaussian pose = fromMessage(message.pose, "initial pose");
-    const std::string& frame = message.header.frame_id;
+    const std::string frame = frameName(message.header.frame_id);
     if (!frame.empty() && frame != params_.global_frame_id) {
       const tf2_ros::Buffer& transforms = reader_->transforms();
       std::string why;
@@ -165,9 +169,19 @@ std::string LocalizerNode::setPose(const geometry_msgs::PoseWithCovarianceStampe
       pose.mean = T_map_frame * pose.mean;  // the covariance stays: it is in the robot's axes
     }
     const std::lock_guard<std::mutex> lock(localizer_mutex_);
+    if (is_planar) {
+      PlanarContext context;
+      if (localizer_->isInitialized()) context.last = localizer_->filter().estimate();
+      context.up = last_up_;
+      context.is_camera_base = reader_->isCameraBase();
+      geometry_msgs::PoseWithCovariance in_map = message.pose;
+      in_map.pose = toPoseMessage(pose.mean);
+      pose = completePlanar(in_map, localizer_->map(), context);
+    }
     localizer_->setPose(pose);
-    ROS_INFO("initial pose: %.2f %.2f %.2f m", pose.mean.translation().x(),
-             pose.mean.translation().y(), pose.mean.translation().z());
+    ROS_INFO("initial pose: %.2f %.2f %.2f m%s", pose.mean.translation().x(),
+             pose.mean.translation().y(), pose.mean.translation().z(),
+             is_planar ? "; it is searched for there, since height and tilt were not given" : "");
     return "";
   } catch (const std::exception& e) {
     return e.what();
@@ -244,9 +258,11 @@ void LocalizerNode::process(const Moment& moment) {
   context.stamp = moment.stamp;
   context.odometry = input.odometry;
   context.mask_age = read.mask_age;
+  warnOfOtherTransform();
   const std::lock_guard<std::mutex> lock(localizer_mutex_);
   input.force_update = force_update_;
   force_update_ = false;
+  if (input.up) last_up_ = input.up;
   LiveResult result = localizer_->process(input);
   for (const size_t number : result.image_numbers)
     context.T_base_camera.push_back(input.images[number].T_base_camera);
@@ -267,6 +283,18 @@ void LocalizerNode::process(const Moment& moment) {
   last_update_ms_ = context.update_ms;
   last_result_ = std::move(result);
   last_result_.images.clear();  // diagnostics do not need them, and they are large
+}
+
+void LocalizerNode::warnOfOtherTransform() {
+  if (is_transform_checked_ || !params_.tf_broadcast || updates_ > 0) return;
+  is_transform_checked_ = true;
+  const std::string& child =
+      params_.odometry == "none" ? params_.base_frame_id : params_.odom_frame_id;
+  if (reader_->transforms().canTransform(params_.global_frame_id, child, ros::Time(0)))
+    ROS_WARN(
+        "tf has %s -> %s already, from another localizer or a recording; set tf_broadcast to "
+        "false here, or leave that transform out there",
+        params_.global_frame_id.c_str(), child.c_str());
 }
 
 void LocalizerNode::savePose() {

@@ -43,6 +43,8 @@ class LocalizerNode {
   bool saveParticles(UseFile::Request& request, UseFile::Response& response);
   bool loadParticles(UseFile::Request& request, UseFile::Response& response);
   void savePose();
+  /// Two publishers of one transform make it jump.
+  void warnOfOtherTransform();
   void offerAdjustment();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -60,6 +62,8 @@ class LocalizerNode {
   std::unique_ptr<LiveLocalizer> localizer_;
   bool force_update_ = false;
   uint32_t updates_ = 0;
+  bool is_transform_checked_ = false;
+  std::optional<UpReading> last_up_;  // of the newest image that had one
   LiveResult last_result_;
   double last_update_ms_ = 0;
   ros::WallTime last_image_at_;

@@ -1,10 +1,14 @@
 #include "edge_mcl/nodes/localizer/moment_queue.h"
 
+#include <ros/console.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "edge_mcl/core/base/clock_step.h"
+#include "edge_mcl/nodes/common/caller_path.h"
+#include "edge_mcl/nodes/messages/ros_conversions.h"
 
 namespace edge_mcl {
 
@@ -15,6 +19,17 @@ constexpr auto kPoll = std::chrono::milliseconds(2);
 
 double wallNow() { return ros::WallTime::now().toSec(); }
 
+/// The image with the time of its arrival where it has no stamp.
+sensor_msgs::ImageConstPtr withStamp(const sensor_msgs::ImageConstPtr& image) {
+  if (!image->header.stamp.isZero()) return image;
+  ROS_WARN_ONCE(
+      "there are images without a stamp; the time of their arrival is used, and masks do not find "
+      "them");
+  const auto stamped = boost::make_shared<sensor_msgs::Image>(*image);
+  stamped->header.stamp = ros::Time::now();
+  return stamped;
+}
+
 }  // namespace
 
 MomentQueue::MomentQueue(const ros::NodeHandle& nh, const NodeParameters& params, Cues cues)
@@ -23,6 +38,7 @@ MomentQueue::MomentQueue(const ros::NodeHandle& nh, const NodeParameters& params
     cameras_.emplace_back(params_.use_masks, params_.mask_timeout);
     cameras_.back().name = name;
     cameras_.back().origin = name.empty() ? "camera" : name;
+    cameras_.back().frame = frameName(params_.cameraFrames()[cameras_.size() - 1]);
   }
   // The vector does not grow any more, so callbacks may keep the number of a camera.
   for (size_t i = 0; i < cameras_.size(); ++i) subscribe(nh, i);
@@ -46,24 +62,32 @@ void MomentQueue::subscribe(ros::NodeHandle nh, size_t i) {
               *kept = info;
             }));
   };
-  camera.info_subscriber = keepInfo(prefix + "camera_info", &camera.info);
+  // A calibration file takes the place of the topic.
+  const std::string file = callerPath(params_.cameraFiles()[i]);
+  if (file.empty())
+    camera.info_subscriber = keepInfo(prefix + "camera_info", &camera.info);
+  else
+    camera.info = boost::make_shared<sensor_msgs::CameraInfo>(
+        toCameraInfo(CameraModel::fromYamlFile(file), {}, ""));
   if (cues_ != Cues::kDepth)
-    camera.image_subscriber = transport_.subscribe(
-        prefix + "image", 5,
-        Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveImage(i, m); }));
+    camera.image_subscriber.subscribe(nh, &transport_, prefix + "image", 5, params_.image_transport,
+                                      Callback([this, i](const sensor_msgs::ImageConstPtr& m) {
+                                        receiveImage(i, withStamp(m));
+                                      }));
   if (cues_ != Cues::kEdges) {
     camera.depth_info_subscriber = keepInfo(prefix + "depth/camera_info", &camera.depth_info);
-    camera.depth_subscriber = transport_.subscribe(
-        prefix + "depth", 2,
-        Callback([this, i](const sensor_msgs::ImageConstPtr& m) { receiveDepth(i, m); }));
+    camera.depth_subscriber.subscribe(nh, &transport_, prefix + "depth", 2, params_.depth_transport,
+                                      Callback([this, i](const sensor_msgs::ImageConstPtr& m) {
+                                        receiveDepth(i, withStamp(m));
+                                      }));
   }
   if (params_.use_masks)
-    camera.mask_subscriber = transport_.subscribe(
-        prefix + "mask", 5, Callback([this, i](const sensor_msgs::ImageConstPtr& mask) {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          cameras_[i].matcher.addMask(mask);
-          changed_.notify_all();
-        }));
+    camera.mask_subscriber.subscribe(nh, &transport_, prefix + "mask", 5, "raw",
+                                     Callback([this, i](const sensor_msgs::ImageConstPtr& mask) {
+                                       const std::lock_guard<std::mutex> lock(mutex_);
+                                       cameras_[i].matcher.addMask(mask);
+                                       changed_.notify_all();
+                                     }));
 }
 
 void MomentQueue::receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image) {
@@ -114,6 +138,9 @@ std::optional<Moment> MomentQueue::next() {
     moment.cameras[i].origin = camera.origin;
     moment.cameras[i].info = camera.info;
     moment.cameras[i].depth_info = camera.depth_info;
+    moment.cameras[i].frame = camera.frame;
+    moment.cameras[i].is_rectified = params_.isRectified(camera.image_subscriber.topic());
+    moment.cameras[i].is_depth_rectified = isRectifiedTopic(camera.depth_subscriber.topic());
     moment.dropped += static_cast<uint32_t>(camera.matcher.dropped());
   }
   moment.received = images_received_;

@@ -1,7 +1,6 @@
 /// Collects images, depth images and masks of all cameras into moments.
 #pragma once
 
-#include <image_transport/image_transport.h>
 #include <ros/node_handle.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
@@ -18,6 +17,7 @@
 #include "edge_mcl/nodes/common/patience.h"
 #include "edge_mcl/nodes/localizer/mask_matcher.h"
 #include "edge_mcl/nodes/localizer/node_parameters.h"
+#include "edge_mcl/nodes/messages/image_subscriber.h"
 
 namespace edge_mcl {
 
@@ -27,6 +27,8 @@ struct Moment {
     std::string origin;                       ///< name of the camera for messages
     std::optional<MaskMatcher::Match> match;  ///< image (without images: depth image) and its mask
     sensor_msgs::CameraInfoConstPtr info, depth_info;
+    bool is_rectified = false, is_depth_rectified = false;
+    std::string frame;                 ///< optical frame; empty: that of the image
     sensor_msgs::ImageConstPtr depth;  ///< null: none
   };
   ros::Time stamp;  ///< of the first camera's image
@@ -38,6 +40,7 @@ struct Moment {
 /// other parts are awaited for as long as the parameters say. The callbacks may run in any thread.
 class MomentQueue {
  public:
+  /// @throws InputError when a calibration file cannot be used
   MomentQueue(const ros::NodeHandle& nh, const NodeParameters& params, Cues cues);
   ~MomentQueue() { stop(); }
   MomentQueue(const MomentQueue&) = delete;
@@ -52,8 +55,8 @@ class MomentQueue {
  private:
   struct Camera {
     Camera(bool use_masks, double mask_timeout) : matcher(use_masks, mask_timeout) {}
-    std::string name, origin;
-    image_transport::Subscriber image_subscriber, mask_subscriber, depth_subscriber;
+    std::string name, origin, frame;
+    ImageSubscriber image_subscriber, mask_subscriber, depth_subscriber;
     ros::Subscriber info_subscriber, depth_info_subscriber;
     sensor_msgs::CameraInfoConstPtr info, depth_info;
     MaskMatcher matcher;

@@ -1,5 +1,7 @@
 #include "edge_mcl/nodes/localizer/moment_reader.h"
 
+#include <ros/console.h>
+
 #include <cmath>
 
 #include "edge_mcl/core/base/clock_step.h"
@@ -10,9 +12,21 @@
 
 namespace edge_mcl {
 
+namespace {
+
+/// tf must know the base so long after the first image, s. Nodes of one launch file start within
+/// some seconds.
+constexpr double kTfPatience = 3;
+
+}  // namespace
+
 MomentReader::MomentReader(const ros::NodeHandle& nh, const NodeParameters& params, Cues cues,
                            size_t camera_count)
-    : params_(params), cues_(cues), tf_listener_(tf_), last_masks_(camera_count) {
+    : params_(params),
+      cues_(cues),
+      tf_listener_(tf_),
+      mounting_(params.base_frame_id, kTfPatience),
+      last_masks_(camera_count) {
   if (params_.odometry == "topic") odometry_buffer_ = std::make_unique<tf2::BufferCore>();
   if (params_.use_imu) {
     ros::NodeHandle handle(nh);
@@ -34,7 +48,7 @@ void MomentReader::addOdometry(const nav_msgs::Odometry& odometry) {
 
 std::optional<Pose> MomentReader::odometryAt(const ros::Time& stamp, const ros::Time& latest,
                                              std::string* problem) {
-  if (params_.odometry == "none") return std::nullopt;
+  if (params_.odometry == "none" || mounting_.isBase()) return std::nullopt;
   const tf2::BufferCore& buffer = odometryBuffer();
   const std::string &odom = params_.odom_frame_id, &base = params_.base_frame_id;
   const auto newest = [&] {
@@ -87,10 +101,12 @@ std::optional<UpReading> MomentReader::upAt(const ros::Time& stamp, std::string*
   }
 }
 
-Pose MomentReader::mountingOf(const std_msgs::Header& header, const std::string& origin,
-                              const ros::Time& moment) const {
-  Pose T_base_sensor = sensorMounting(tf_, params_.base_frame_id, header, origin);
-  if (params_.odometry == "none") return T_base_sensor;
+Pose MomentReader::mountingOf(const std_msgs::Header& header, const std::string& frame,
+                              const std::string& origin, const ros::Time& moment) {
+  Pose T_base_sensor = mounting_.of(tf_, header, frame, origin);
+  for (const std::string& note : mounting_.takeNotes())
+    ROS_WARN("%s: %s", origin.c_str(), note.c_str());
+  if (params_.odometry == "none" || mounting_.isBase()) return T_base_sensor;
   return baseMotion(odometryBuffer(), params_.odom_frame_id, params_.base_frame_id, moment,
                     header.stamp) *
          T_base_sensor;
@@ -125,9 +141,9 @@ void MomentReader::addView(const Moment::CameraPart& part, const ros::Time& mome
   const sensor_msgs::ImageConstPtr& image = part.match->image;
   LiveInput::CameraImage view;
   view.origin = part.origin;
-  view.camera = fromMessage(*part.info, part.origin + " camera_info");
+  view.camera = fromMessage(*part.info, part.origin + " camera_info", part.is_rectified);
   view.image = fromMessage(image, part.origin);
-  view.T_base_camera = mountingOf(image->header, part.origin, moment);
+  view.T_base_camera = mountingOf(image->header, part.frame, part.origin, moment);
   if (params_.use_masks) view.mask = maskFor(part, view.camera, view.T_base_camera, last, result);
   result->input.images.push_back(std::move(view));
 }
@@ -141,10 +157,13 @@ void MomentReader::addDepth(const Moment::CameraPart& part, const ros::Time& mom
   if (!info) throw InputError(origin + ": no camera_info yet");
   LiveInput::Depth depth;
   depth.image.origin = origin;
-  depth.image.camera = fromMessage(*info, origin + " camera_info");
+  depth.image.camera = fromMessage(*info, origin + " camera_info",
+                                   part.depth_info ? part.is_depth_rectified : part.is_rectified);
   depth.image.depth = depthFromMessage(part.depth, origin);
   depth.image.units_per_metre = 1000;
-  depth.T_base_camera = mountingOf(part.depth->header, origin, moment);
+  // The depth camera may have a frame of its own.
+  depth.T_base_camera = mountingOf(
+      part.depth->header, part.depth->header.frame_id.empty() ? part.frame : "", origin, moment);
   depth.sensor = static_cast<uint32_t>(camera);
   bool image_is_used = false;
   for (const LiveInput::CameraImage& view : result->input.images) {

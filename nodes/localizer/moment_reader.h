@@ -15,6 +15,7 @@
 #include "edge_mcl/localization/tracking/live_localizer.h"
 #include "edge_mcl/nodes/localizer/imu_history.h"
 #include "edge_mcl/nodes/localizer/moment_queue.h"
+#include "edge_mcl/nodes/messages/sensor_mounting.h"
 
 namespace edge_mcl {
 
@@ -37,6 +38,8 @@ class MomentReader {
   /// Keeps odometry of a topic. @throws InputError when the message is not valid
   void addOdometry(const nav_msgs::Odometry& odometry);
   const tf2_ros::Buffer& transforms() const { return tf_; }
+  /// Whether the camera is localized itself, see CameraMounting.
+  bool isCameraBase() const { return mounting_.isBase(); }
   /// Ends all waiting.
   void stop() { running_ = false; }
 
@@ -59,8 +62,9 @@ class MomentReader {
   std::optional<UpReading> upAt(const ros::Time& stamp, std::string* problem);
   /// Pose of a sensor relative to the base of the moment. The robot moves on between the stamps of
   /// its sensors.
-  Pose mountingOf(const std_msgs::Header& header, const std::string& origin,
-                  const ros::Time& moment) const;
+  /// @param frame of the sensor; empty: that of the header.
+  Pose mountingOf(const std_msgs::Header& header, const std::string& frame,
+                  const std::string& origin, const ros::Time& moment);
   /// @throws InputError when the view cannot be used
   void addView(const Moment::CameraPart& part, const ros::Time& moment, LastMask* last,
                MomentInput* result);
@@ -81,6 +85,7 @@ class MomentReader {
   Patience odometry_patience_, sensors_patience_;
   ImuHistory imu_;
   ros::Subscriber imu_subscriber_;
+  CameraMounting mounting_;
   std::vector<LastMask> last_masks_;  // by camera
   std::atomic<bool> running_{true};
 };

@@ -16,6 +16,9 @@ namespace edge_mcl {
 struct NodeParameters {
   std::string model_file;
   std::string cameras;
+  std::string camera_file, camera_frame_id;
+  std::string rectified = "auto";
+  std::string image_transport = "raw", depth_transport = "raw";
   std::string global_frame_id = "map", odom_frame_id = "odom", base_frame_id = "base_link";
   std::string odometry = "tf";
   bool tf_broadcast = true;
@@ -49,6 +52,20 @@ struct NodeParameters {
       "names of the cameras, as a list or separated by commas; each has the topics NAME/image, "
       "NAME/camera_info, NAME/mask, NAME/depth, NAME/depth/camera_info; empty: one camera, whose "
       "topics have no prefix");
+    v("camera_file", camera_file, "", anyValue(),
+      "calibration files of the cameras, as a list or separated by commas; empty: the topic "
+      "camera_info");
+    v("camera_frame_id", camera_frame_id, "", anyValue(),
+      "optical frames of the cameras, as a list or separated by commas; empty: the frame of each "
+      "image");
+    v("rectified", rectified, "", oneOf("auto|true|false"),
+      "the images are rectified, so the matrix P of camera_info counts; auto = the topic has rect "
+      "in "
+      "its name");
+    v("image_transport", image_transport, "", anyValue(),
+      "transport of the images: raw, compressed, or another plugin of image_transport");
+    v("depth_transport", depth_transport, "", anyValue(),
+      "transport of the depth images: raw, compressedDepth, or another plugin");
     v("global_frame_id", global_frame_id, "", anyValue(), "frame of the model");
     v("odom_frame_id", odom_frame_id, "", anyValue(), "frame of the odometry");
     v("base_frame_id", base_frame_id, "", anyValue(), "frame of the robot");
@@ -112,6 +129,14 @@ struct NodeParameters {
   PoseGaussian initialPose() const;
   /// The single camera has an empty name.
   std::vector<std::string> cameraNames() const;
+  /// The entries of `camera_file` and `camera_frame_id`, one for each camera; empty: not given.
+  std::vector<std::string> cameraFiles() const { return perCamera(camera_file); }
+  std::vector<std::string> cameraFrames() const { return perCamera(camera_frame_id); }
+  /// Whether images of a topic (after remapping) are rectified.
+  bool isRectified(const std::string& topic) const;
+
+ private:
+  std::vector<std::string> perCamera(const std::string& list) const;
 };
 
 /// Sets the parameters of the node and those of the method (`group/name`) from `name: value`.

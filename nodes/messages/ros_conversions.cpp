@@ -1,12 +1,9 @@
 #include "edge_mcl/nodes/messages/ros_conversions.h"
 
-#include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/distortion_models.h>
-#include <sensor_msgs/image_encodings.h>
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
 #include <vector>
 
 #include "edge_mcl/core/base/error.h"
@@ -35,23 +32,6 @@ Pose poseOf(double x, double y, double z, const geometry_msgs::Quaternion& q,
   pose.linear() = rotation.normalized().toRotationMatrix();
   pose.translation() = Eigen::Vector3d(x, y, z);
   return pose;
-}
-
-/// Checks the size of an image. @throws InputError when the encoding is unknown or the message has
-/// too few bytes
-void checkSize(const sensor_msgs::Image& message, const std::string& origin) {
-  size_t pixel_bytes = 0;
-  try {
-    pixel_bytes = sensor_msgs::image_encodings::numChannels(message.encoding) *
-                  static_cast<size_t>(sensor_msgs::image_encodings::bitDepth(message.encoding)) / 8;
-  } catch (const std::exception&) {
-    throw InputError(origin + ": unknown encoding '" + message.encoding + "'");
-  }
-  if (message.width == 0 || message.height == 0 || message.step < pixel_bytes * message.width ||
-      message.data.size() < static_cast<size_t>(message.step) * message.height)
-    throw InputError(origin + ": truncated image: " + std::to_string(message.data.size()) +
-                     " bytes for " + std::to_string(message.width) + "x" +
-                     std::to_string(message.height) + " " + message.encoding);
 }
 
 }  // namespace
@@ -115,12 +95,69 @@ PoseGaussian fromMessage(const geometry_msgs::PoseWithCovariance& message,
   return gaussian;
 }
 
-CameraModel fromMessage(const sensor_msgs::CameraInfo& message, const std::string& origin) {
+namespace {
+
+/// The camera of the pixels that the driver sends: a part of the full image, with pixels joined.
+CameraModel partOf(CameraModel camera, const sensor_msgs::CameraInfo& message,
+                   const std::string& origin) {
+  const sensor_msgs::RegionOfInterest& roi = message.roi;
+  const uint32_t binning_x = std::max(1U, message.binning_x);
+  const uint32_t binning_y = std::max(1U, message.binning_y);
+  const bool is_full = roi.width == 0 && roi.height == 0 && roi.x_offset == 0 && roi.y_offset == 0;
+  if (is_full && binning_x == 1 && binning_y == 1) return camera;
+  if (!is_full) {
+    // Some drivers set only the offsets.
+    const uint32_t width = roi.width > 0 ? roi.width : message.width - roi.x_offset;
+    const uint32_t height = roi.height > 0 ? roi.height : message.height - roi.y_offset;
+    if (roi.x_offset + width > message.width || roi.y_offset + height > message.height)
+      throw InputError(origin + ": the region of interest is outside the image");
+    camera.cx -= roi.x_offset;
+    camera.cy -= roi.y_offset;
+    camera.width = static_cast<int>(width);
+    camera.height = static_cast<int>(height);
+  }
+  camera.fx /= binning_x;
+  camera.cx /= binning_x;
+  camera.width /= static_cast<int>(binning_x);
+  camera.fy /= binning_y;
+  camera.cy /= binning_y;
+  camera.height /= static_cast<int>(binning_y);
+  camera.validate(origin);
+  return camera;
+}
+
+}  // namespace
+
+CameraModel fromMessage(const sensor_msgs::CameraInfo& message, const std::string& origin,
+                        bool rectified) {
+  const int width = static_cast<int>(message.width), height = static_cast<int>(message.height);
   std::array<double, 9> k{};
   std::copy(message.K.begin(), message.K.end(), k.begin());
-  return CameraModel::fromFields(static_cast<int>(message.width), static_cast<int>(message.height),
-                                 k, message.distortion_model, message.D.data(), message.D.size(),
-                                 origin);
+  const auto& p = message.P;
+  const bool has_p = p[0] != 0;
+  const bool is_straight =
+      std::all_of(message.D.begin(), message.D.end(), [](double d) { return d == 0; });
+  // Without distortion K is as good, and some drivers leave P at zero.
+  if (!rectified || (!has_p && is_straight))
+    return partOf(CameraModel::fromFields(width, height, k, message.distortion_model,
+                                          message.D.data(), message.D.size(), origin),
+                  message, origin);
+  if (!has_p)
+    throw InputError(origin +
+                     ": the images are rectified, but the matrix P of their calibration is "
+                     "zero; calibrate the camera, or use the images before rectification");
+  k = {p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]};
+  return partOf(CameraModel::fromFields(width, height, k, "none", nullptr, 0, origin), message,
+                origin);
+}
+
+bool isRectifiedTopic(const std::string& topic) {
+  return topic.rfind("rect", 0) == 0 || topic.find("/rect") != std::string::npos ||
+         topic.find("_rect") != std::string::npos;
+}
+
+std::string frameName(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
 
 sensor_msgs::CameraInfo toCameraInfo(const CameraModel& camera, const ros::Time& stamp,
@@ -142,51 +179,6 @@ sensor_msgs::CameraInfo toCameraInfo(const CameraModel& camera, const ros::Time&
                                                                                : rational ? 8
                                                                                           : 5));
   return message;
-}
-
-sensor_msgs::ImagePtr toImage(const cv::Mat& image, const std::string& encoding,
-                              const ros::Time& stamp, const std::string& frame) {
-  std_msgs::Header header;
-  header.stamp = stamp;
-  header.frame_id = frame;
-  return cv_bridge::CvImage(header, encoding, image).toImageMsg();
-}
-
-cv::Mat fromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin) {
-  namespace encodings = sensor_msgs::image_encodings;
-  checkSize(*message, origin);
-  try {
-    if (message->encoding == encodings::MONO8 || message->encoding == encodings::BGR8 ||
-        message->encoding == encodings::MONO16)
-      return cv_bridge::toCvShare(message)->image;
-    const bool grey = encodings::isMono(message->encoding);
-    return cv_bridge::toCvShare(message, grey ? encodings::MONO8 : encodings::BGR8)->image;
-  } catch (const std::exception& e) {
-    throw InputError(origin + ": encoding '" + message->encoding +
-                     "' cannot be used: " + std::string(e.what()));
-  }
-}
-
-cv::Mat depthFromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin) {
-  namespace encodings = sensor_msgs::image_encodings;
-  checkSize(*message, origin);
-  const bool metres = message->encoding == encodings::TYPE_32FC1;
-  if (!metres && message->encoding != encodings::TYPE_16UC1 &&
-      message->encoding != encodings::MONO16)
-    throw InputError(origin + ": a depth image must be 16UC1 or 32FC1, not '" + message->encoding +
-                     "'");
-  if (message->is_bigendian) throw InputError(origin + ": a big-endian depth image cannot be used");
-  return {static_cast<int>(message->height), static_cast<int>(message->width),
-          metres ? CV_32FC1 : CV_16UC1, const_cast<uint8_t*>(message->data.data()), message->step};
-}
-
-cv::Mat maskFromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin) {
-  checkSize(*message, origin);
-  if (sensor_msgs::image_encodings::numChannels(message->encoding) != 1 ||
-      sensor_msgs::image_encodings::bitDepth(message->encoding) != 8)
-    throw InputError(origin + ": a mask must be mono8, not '" + message->encoding + "'");
-  return {static_cast<int>(message->height), static_cast<int>(message->width), CV_8UC1,
-          const_cast<uint8_t*>(message->data.data()), message->step};
 }
 
 sensor_msgs::Imu toImu(const ImuReading& reading, const ros::Time& stamp,

@@ -6,7 +6,6 @@
 #include <geometry_msgs/Transform.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <sensor_msgs/CameraInfo.h>
-#include <sensor_msgs/Image.h>
 #include <sensor_msgs/Imu.h>
 
 #include <string>
@@ -14,6 +13,7 @@
 #include "edge_mcl/core/base/se3.h"
 #include "edge_mcl/core/camera/camera_model.h"
 #include "edge_mcl/core/recordings/recording.h"
+#include "edge_mcl/nodes/messages/image_messages.h"
 
 namespace edge_mcl {
 
@@ -39,25 +39,19 @@ Pose fromMessage(const geometry_msgs::Transform& message, const std::string& ori
 PoseGaussian fromMessage(const geometry_msgs::PoseWithCovariance& message,
                          const std::string& origin);
 
-/// Converts a calibration. @throws InputError that lists every fault
-CameraModel fromMessage(const sensor_msgs::CameraInfo& message, const std::string& origin);
+/// Converts a calibration. ROI and binning are applied as image_geometry does, so the camera has
+/// the size of the images.
+/// @param rectified the images are rectified, so the matrix P counts, and there is no distortion.
+/// @throws InputError that lists every fault
+CameraModel fromMessage(const sensor_msgs::CameraInfo& message, const std::string& origin,
+                        bool rectified = false);
+/// Whether a topic of images is one of rectified images by its name: a part of the name begins with
+/// "rect" or holds "_rect", as image_proc and drivers write it.
+bool isRectifiedTopic(const std::string& topic);
+/// A frame without the slash at its beginning. tf1 wrote one, and tf2 refuses it.
+std::string frameName(const std::string& frame);
 sensor_msgs::CameraInfo toCameraInfo(const CameraModel& camera, const ros::Time& stamp,
                                      const std::string& frame);
-
-/// Makes a message with a copy of the pixels. @param encoding e.g. "bgr8", "mono8", "32FC1".
-sensor_msgs::ImagePtr toImage(const cv::Mat& image, const std::string& encoding,
-                              const ros::Time& stamp, const std::string& frame);
-/// Converts an image to bgr8, mono8 or mono16. When no conversion is needed, the result shares the
-/// pixels of the message. @throws InputError when the image is truncated or its encoding cannot be
-/// converted
-cv::Mat fromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin);
-/// Depth image of a message: 16UC1 or mono16 (millimetres), or 32FC1 (metres). It shares the pixels
-/// of the message. @throws InputError when the image is truncated, has another encoding or is
-/// big-endian
-cv::Mat depthFromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin);
-/// Mask of a message: mono8, non-zero = ignored. It shares the pixels of the message.
-/// @throws InputError when the mask is truncated or has another encoding
-cv::Mat maskFromMessage(const sensor_msgs::ImageConstPtr& message, const std::string& origin);
 
 /// Converts a reading of an IMU. The message has no orientation.
 sensor_msgs::Imu toImu(const ImuReading& reading, const ros::Time& stamp, const std::string& frame);

@@ -10,6 +10,7 @@
 #include "edge_mcl/core/base/clock_step.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/base/parameter_text.h"
+#include "edge_mcl/nodes/common/caller_path.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
 #include "edge_mcl/nodes/messages/sensor_mounting.h"
 
@@ -69,17 +70,24 @@ LiveView::LiveView(const ros::NodeHandle& nh, const ViewerNodeParameters& params
       tf_listener_(tf_),
       transport_(nh),
       initial_pose_(nh_.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1)) {
-  const auto subscribeImage = [&](const char* topic, Kept<sensor_msgs::Image>* kept) {
+  const auto subscribeImage = [&](const char* topic, const std::string& transport,
+                                  Kept<sensor_msgs::Image>* kept) {
     using Callback = boost::function<void(const sensor_msgs::ImageConstPtr&)>;
-    image_subscribers_.push_back(transport_.subscribe(
-        topic, 4, Callback([this, kept](const sensor_msgs::ImageConstPtr& message) {
+    image_subscribers_.emplace_back();
+    image_subscribers_.back().subscribe(
+        nh_, &transport_, topic, 4, transport,
+        Callback([this, kept](const sensor_msgs::ImageConstPtr& message) {
           const std::lock_guard<std::mutex> lock(mutex_);
           kept->add(message);
-        })));
+        }));
   };
-  subscribeImage("image", &images_);
-  subscribeImage("mask", &masks_);
-  subscribeImage("depth", &depths_);
+  subscribeImage("image", params_.image_transport.empty() ? "raw" : params_.image_transport,
+                 &images_);
+  is_rectified_ =
+      params_.rectified == "true" ||
+      (params_.rectified != "false" && isRectifiedTopic(image_subscribers_.front().topic()));
+  subscribeImage("mask", "raw", &masks_);
+  subscribeImage("depth", "raw", &depths_);
   subscribe("detections", &detections_);
   subscribe("pose", &poses_);
   subscribe("particlecloud", &clouds_);
@@ -94,7 +102,11 @@ LiveView::LiveView(const ros::NodeHandle& nh, const ViewerNodeParameters& params
               *info = message;
             })));
   };
-  subscribeInfo("camera_info", &info_);
+  if (params_.camera_file.empty())
+    subscribeInfo("camera_info", &info_);
+  else
+    info_ = boost::make_shared<sensor_msgs::CameraInfo>(
+        toCameraInfo(CameraModel::fromYamlFile(callerPath(params_.camera_file)), {}, ""));
   subscribeInfo("depth/camera_info", &depth_info_);
   subscribers_.push_back(nh_.subscribe<Status>(
       "status", 50, boost::function<void(const StatusConstPtr&)>([this](const StatusConstPtr& m) {
@@ -143,6 +155,8 @@ bool LiveView::isComplete(const Status& status) const {
 
 std::optional<Pose> LiveView::mountingOf(const std_msgs::Header& sensor) const {
   try {
+    // The localizer takes the camera for the base where tf knows neither.
+    if (!tf_._frameExists(frameName(sensor.frame_id))) return Pose::Identity();
     return sensorMounting(tf_, params_.base_frame_id, sensor, "tf");
   } catch (const tf2::TransformException&) {
     return std::nullopt;
@@ -162,7 +176,7 @@ void LiveView::addCamera(const sensor_msgs::ImageConstPtr& image, ViewMoment* m)
     m->problem += m->problem.empty() ? "no camera_info" : "; no camera_info";
     return;
   }
-  m->camera = fromMessage(*info_, "camera_info");
+  m->camera = fromMessage(*info_, "camera_info", is_rectified_);
   if (m->camera.width != m->image.cols || m->camera.height != m->image.rows)
     throw InputError("camera_info has another size than the image");
   const std::optional<Pose> mounting = mountingOf(image->header);
@@ -225,9 +239,16 @@ ViewMoment LiveView::assemble(const Status& status) {
   });
   use([&] {
     if (const auto found = hypotheses_.at(stamp, 0))
-      for (const geometry_msgs::Pose& pose : found->poses)
-        m.clusters.push_back(
-            {fromMessage(pose, "hypotheses"), 1.0 / static_cast<double>(found->poses.size())});
+      for (size_t i = 0; i < found->poses.size(); ++i)
+        m.clusters.push_back({fromMessage(found->poses[i], "hypotheses"),
+                              i < status.hypothesis_probabilities.size()
+                                  ? static_cast<double>(status.hypothesis_probabilities[i])
+                                  : 0.0,
+                              0});
+  });
+  use([&] {
+    for (const geometry_msgs::Pose& pose : status.next_view)
+      m.next_view.push_back(fromMessage(pose, "next_view"));
   });
   constexpr double kSameMoment = 0.02;  // s
   use([&] {

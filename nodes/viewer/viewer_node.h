@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/nodes/messages/image_subscriber.h"
 #include "edge_mcl/viewer/drawing/view_parameters.h"
 #include "edge_mcl/viewer/moments/view_source.h"
 
@@ -30,6 +31,7 @@ struct ViewerNodeParameters : ViewParameters {
   std::string model;
   std::string global_frame_id;
   std::string base_frame_id;
+  std::string camera_file, image_transport, rectified;
   bool headless = false;
   std::string video;
   double video_rate = 10;
@@ -46,6 +48,12 @@ struct ViewerNodeParameters : ViewParameters {
     v("global_frame_id", global_frame_id, "", anyValue(),
       "frame of the model; empty: the localizer's");
     v("base_frame_id", base_frame_id, "", anyValue(), "frame of the robot; empty: the localizer's");
+    v("camera_file", camera_file, "", anyValue(),
+      "calibration file of the camera; empty: the localizer's, or the topic camera_info");
+    v("image_transport", image_transport, "", anyValue(),
+      "transport of the images: raw, compressed, or another plugin; empty: the localizer's");
+    v("rectified", rectified, "", oneOf("|auto|true|false"),
+      "the images are rectified; auto = the topic has rect in its name; empty: the localizer's");
     v("headless", headless, "", anyValue(), "no window: only video and pictures are written");
     v("video", video, "", anyValue(), "video file, .mp4 or .avi; empty: none");
     v("video_rate", video_rate, "Hz", above(0, 1000), "pictures per second of the video");
@@ -142,13 +150,14 @@ class LiveView : public ViewSource {
   Kept<geometry_msgs::PoseArray> clouds_, hypotheses_;
   Kept<geometry_msgs::PoseStamped> truths_;
   sensor_msgs::CameraInfoConstPtr info_, depth_info_;
+  bool is_rectified_ = false;
   std::deque<Pending> pending_;
   ros::WallTime status_at_, started_ = ros::WallTime::now(), said_missing_at_;
   std::optional<ros::Time> first_, last_;
   ViewMoment last_moment_;
   ViewHistory history_;
   std::vector<ros::Subscriber> subscribers_;
-  std::vector<image_transport::Subscriber> image_subscribers_;
+  std::vector<ImageSubscriber> image_subscribers_;
 };
 
 }  // namespace edge_mcl

@@ -3,6 +3,7 @@
 #include <ros/spinner.h>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/nodes/common/caller_path.h"
 #include "edge_mcl/nodes/common/private_parameters.h"
 #include "edge_mcl/nodes/localizer/node_parameters.h"
 #include "edge_mcl/nodes/viewer/viewer_node.h"
@@ -29,7 +30,12 @@ Parameters adoptFromLocalizer(const ros::NodeHandle& nh, ViewerNodeParameters* p
     ROS_WARN("parameters of %s: %s", params->localizer.c_str(), e.what());
     method = Parameters();
   }
-  if (params->model.empty()) params->model = localizer.model_file;
+  // roslaunch starts both nodes, so both find relative names in the same folder.
+  if (params->model.empty() && !localizer.model_file.empty())
+    params->model = callerPath(localizer.model_file);
+  if (params->camera_file.empty()) params->camera_file = localizer.cameraFiles().front();
+  if (params->image_transport.empty()) params->image_transport = localizer.image_transport;
+  if (params->rectified.empty()) params->rectified = localizer.rectified;
   if (params->global_frame_id.empty()) params->global_frame_id = localizer.global_frame_id;
   if (params->base_frame_id.empty()) params->base_frame_id = localizer.base_frame_id;
   return method;

@@ -104,8 +104,19 @@ TEST_F(SequenceTest, MasksOfAPartOfTheImagesAreWarnedOf) {
   EXPECT_TRUE(sequence.warnings.empty());
 }
 
-TEST_F(SequenceTest, StampsInNanosecondsAreAnError) {
-  write("rgb.txt", "1403715273262142976 a.png\n1403715273312143104 b.png\n");
+TEST_F(SequenceTest, StampsInSmallerUnitsBecomeSeconds) {
+  const std::string seconds = "1403715273.262142976";
+  for (const auto& [first, second] : {std::pair{"1403715273262142976", "1403715273312143104"},
+                                      std::pair{"1403715273262143", "1403715273312143"},
+                                      std::pair{"1403715273262", "1403715273312"}}) {
+    write("rgb.txt", std::string(first) + " a.png\n" + second + " b.png\n");
+    const Sequence sequence = read();
+    ASSERT_EQ(sequence.frames.size(), 2u);
+    EXPECT_NEAR(sequence.frames[0].time, 1403715273.262, 1e-3);
+    EXPECT_NEAR(sequence.frames[1].time - sequence.frames[0].time, 0.05, 1e-3);
+    EXPECT_EQ(sequence.frames[0].time_text.rfind("1403715273.262", 0), 0u);
+  }
+  write("rgb.txt", "14037152732621429760000000 a.png\n");
   EXPECT_THROW(read(), InputError);
 }
 
