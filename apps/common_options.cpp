@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/base/parameter_text.h"
 
 namespace edge_mcl {
 
@@ -22,6 +23,10 @@ void ParameterOptions::addTo(CLI::App* command) {
       "--backend", backend_,
       "device that computes the likelihood, auto, cpu or cuda; sets likelihood.backend");
   command->add_option("--seed", seed_, "seed of the random generator; sets filter.seed");
+}
+
+void ParameterOptions::set(const std::string& name, double value) {
+  assignments_.push_back(name + "=" + parameter_text::toText(value));
 }
 
 Parameters ParameterOptions::load() const {

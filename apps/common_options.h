@@ -19,6 +19,8 @@ class ParameterOptions {
  public:
   /// Adds the options to a subcommand.
   void addTo(CLI::App* command);
+  /// Adds an assignment as `--set NAME=VALUE` does.
+  void set(const std::string& name, double value);
   /// Reads the parameters. A later source overrides an earlier one: the defaults, the file of
   /// `--params`, `--set`, the four short options. @throws ParameterError for an unknown name or an
   /// illegal value; InputError when the file cannot be read
@@ -61,6 +63,7 @@ void addBench(CLI::App* app, Action* action);
 void addWhere(CLI::App* app, Action* action);
 void addMap(CLI::App* app, Action* action);
 void addAudit(CLI::App* app, Action* action);
+void addAlign(CLI::App* app, Action* action);
 void addParameters(CLI::App* app, Action* action);
 
 }  // namespace edge_mcl

@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   addWhere(&app, &action);
   addMap(&app, &action);
   addAudit(&app, &action);
+  addAlign(&app, &action);
   addEvaluate(&app, &action);
   addBasin(&app, &action);
   addBag(&app, &action);

@@ -1,0 +1,314 @@
+// edge-mcl align: finds where a model lies in the coordinates of another system, for example a
+// SLAM.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/common_options.h"
+#include "apps/output_files.h"
+#include "apps/progress_bar.h"
+#include "apps/recordings/recording_options.h"
+#include "edge_mcl/core/base/angles.h"
+#include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/import/map_frame.h"
+#include "edge_mcl/core/recordings/similarity_fit.h"
+#include "edge_mcl/localization/recorded/recorded_localizer.h"
+
+namespace edge_mcl {
+
+namespace {
+
+struct AlignOptions : RecordingOptions {
+  std::string poses, out;
+  bool keep_scale = false, json = false;
+};
+
+/// The pose at a time, between the two nearest poses; none in gaps of more than 0.2 s.
+std::optional<Pose> poseAt(const Trajectory& poses, double time) {
+  constexpr double kLargestGap = 0.2, kSame = 0.005;  // s
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), time,
+                       [](const StampedPose& pose, double t) { return pose.time < t; });
+  for (const auto& near : {after, after == poses.begin() ? poses.end() : after - 1})
+    if (near != poses.end() && std::abs(near->time - time) <= kSame) return near->pose;
+  if (after == poses.begin() || after == poses.end()) return std::nullopt;
+  const StampedPose &a = *(after - 1), &b = *after;
+  if (b.time - a.time > kLargestGap) return std::nullopt;
+  const double share = (time - a.time) / (b.time - a.time);
+  return a.pose * expSe3(share * logSe3(a.pose.inverse() * b.pose));
+}
+
+/// A recording whose odometry is that of the other system, or none: a SLAM with one camera does not
+/// know the metre.
+class OtherOdometry : public RecordedInput {
+ public:
+  /// @param poses null: no odometry. They must outlive this object.
+  OtherOdometry(std::unique_ptr<RecordedInput> input, const Trajectory* poses)
+      : input_(std::move(input)), poses_(poses) {}
+  size_t imageCount() const override { return input_->imageCount(); }
+  const std::optional<PoseGaussian>& initialPose() const override { return input_->initialPose(); }
+  const Trajectory& truth() const override { return input_->truth(); }
+  bool next(LiveInput* input, std::string* problem) override {
+    if (!input_->next(input, problem)) return false;
+    input->odometry = poses_ == nullptr ? std::nullopt : poseAt(*poses_, input->time);
+    return true;
+  }
+
+ private:
+  std::unique_ptr<RecordedInput> input_;
+  const Trajectory* poses_;
+};
+
+struct Pairs {
+  std::vector<PosePair> pairs;  // T_model_*, and the pose in the other system
+  size_t images = 0, tracked = 0;
+};
+
+/// Localizes the recording in the model. @param other poses of the other system.
+/// @param is_metric they serve as odometry. @param most number of images; 0: all.
+Pairs localize(const AlignOptions& o, const Trajectory& other, bool is_metric, size_t most) {
+  OpenedRecording opened = openRecording(o, false);
+  opened.input =
+      std::make_unique<OtherOdometry>(std::move(opened.input), is_metric ? &other : nullptr);
+  RecordedLocalizer localizer(opened.map, std::move(opened.input), opened.start);
+  Pairs result;
+  ProgressBar bar(opened.name, localizer.recording().imageCount());
+  while ((most == 0 || result.images < most) && localizer.next()) {
+    bar.advance();
+    ++result.images;
+    const LiveResult& r = localizer.result();
+    if (r.late || r.state != LocalizerState::kTracking) continue;
+    ++result.tracked;
+    const auto there = poseAt(other, localizer.input().time);
+    if (!there) continue;
+    PosePair pair;
+    pair.from = r.estimate.mean;
+    pair.from.translation() += opened.origin;
+    pair.to = *there;
+    result.pairs.push_back(pair);
+  }
+  return result;
+}
+
+/// Poses of the other system: a file, or the odometry of the recording.
+Trajectory otherPoses(const AlignOptions& o) {
+  if (!o.poses.empty()) return readTrajectory(o.poses);
+  Trajectory poses;
+  const std::unique_ptr<RecordedInput> input = openInput(o);
+  LiveInput moment;
+  std::string problem;
+  while (input->next(&moment, &problem))
+    if (moment.odometry && (poses.empty() || moment.time > poses.back().time))
+      poses.push_back({moment.time, "", *moment.odometry});
+  if (poses.empty())
+    throw InputError(o.recording +
+                     ": the recording has no odometry; name a file with the poses of "
+                     "the other system with --poses");
+  return poses;
+}
+
+/// Units that a model file may have when it states none, in metres: the metre, millimetre,
+/// centimetre, inch and foot. Those with which the model has the size of a building, the most usual
+/// size first. @param size of the model in units of its file.
+std::vector<double> usualScales(double size) {
+  constexpr double kSmallest = 2, kUsual = 15, kLargest = 200;  // m
+  std::vector<double> scales;
+  for (const double scale : {1.0, 0.001, 0.01, 0.0254, 0.3048})
+    if (scale * size >= kSmallest && scale * size <= kLargest) scales.push_back(scale);
+  std::sort(scales.begin(), scales.end(), [&](double a, double b) {
+    return std::abs(std::log(a * size / kUsual)) < std::abs(std::log(b * size / kUsual));
+  });
+  return scales;
+}
+
+/// What a first run is made with.
+struct Beginning {
+  double scale = 0;
+  bool is_metric = true;  // the other poses serve as odometry
+};
+
+/// The scale with which most images of the beginning are tracked. The images look the same at every
+/// scale, but the search assumes rooms and distances of usual size.
+Beginning beginScale(const AlignOptions& o, const Trajectory& other) {
+  constexpr size_t kImages = 60;
+  AlignOptions as_metres = o;
+  as_metres.parameters.set("map.scale", 1);
+  const double size = LocalizationMap(o.model, as_metres.parameters.load()).mesh().diagonal();
+  Beginning best;
+  size_t most = 0;
+  for (const bool is_metric : {true, false})
+    for (const double scale : usualScales(size)) {
+      AlignOptions tried = o;
+      tried.parameters.set("map.scale", scale);
+      size_t tracked = 0;
+      try {
+        tracked = localize(tried, other, is_metric, kImages).tracked;
+      } catch (const InputError&) {
+        continue;  // e.g. no free space at this size
+      }
+      std::fprintf(stderr, "note: with map.scale %g, %zu of the first %zu images are tracked\n",
+                   scale, tracked, kImages);
+      if (tracked <= most) continue;
+      most = tracked;
+      best = {scale, is_metric};
+      if (tracked > kImages / 2) return best;
+    }
+  if (best.scale == 0)
+    throw InputError(o.model +
+                     ": the images are not found in the model at any usual scale; name "
+                     "the scale with --set map.scale=..., or the initial pose");
+  return best;
+}
+
+/// A usual unit that a fitted scale may be; the scale itself when there is none.
+double usualUnit(double scale, double sigma) {
+  // Errors of the positions are alike along a flight, so the stated deviation is a little small.
+  constexpr double kLeast = 0.003, kSigmas = 3;
+  for (const double unit : {1.0, 0.001, 0.01, 0.0254, 0.3048})
+    if (std::abs(scale / unit - 1) < std::max(kLeast, kSigmas * sigma)) return unit;
+  return scale;
+}
+
+/// The placement of the model file in the other system.
+struct Placement {
+  MapParameters map;  // scale, position and angles
+  Similarity whole;   // from the file to the other system
+};
+
+Placement placementOf(const MapParameters& used, double scale, const Similarity& s) {
+  Placement placement;
+  placement.map = used;
+  const Eigen::Affine3d before = mapTransform(used, scale);
+  const Eigen::Matrix3d R0 =
+      rotationFromAngles(used.roll_deg * kDegree, used.pitch_deg * kDegree, used.yaw_deg * kDegree);
+  placement.whole.rotation = s.rotation * R0;
+  placement.whole.scale = s.scale * scale;
+  placement.whole.shift = s * before.translation();
+  const Eigen::Matrix3d& R = placement.whole.rotation;
+  placement.map.scale = placement.whole.scale;
+  placement.map.x = placement.whole.shift.x();
+  placement.map.y = placement.whole.shift.y();
+  placement.map.z = placement.whole.shift.z();
+  placement.map.yaw_deg = std::atan2(R(1, 0), R(0, 0)) / kDegree;
+  placement.map.pitch_deg = std::asin(std::max(-1.0, std::min(1.0, -R(2, 0)))) / kDegree;
+  placement.map.roll_deg = std::atan2(R(2, 1), R(2, 2)) / kDegree;
+  return placement;
+}
+
+std::string asYaml(const Placement& placement) {
+  char text[400];
+  const MapParameters& m = placement.map;
+  std::snprintf(text, sizeof text,
+                "map:\n  scale: %.9g\n  x: %.6f\n  y: %.6f\n  z: %.6f\n  yaw_deg: %.5f\n"
+                "  pitch_deg: %.5f\n  roll_deg: %.5f\n",
+                m.scale, m.x, m.y, m.z, m.yaw_deg, m.pitch_deg, m.roll_deg);
+  return text;
+}
+
+/// One run after the other until the scale no longer changes.
+struct Aligned {
+  SimilarityFit fit;
+  Pairs pairs;
+  double scale = 1;  // map.scale of the run
+};
+
+Aligned align(AlignOptions o, const Trajectory& other) {
+  const MapParameters given = parametersOf(o).map;
+  Beginning begin{given.scale, true};
+  if (given.scale <= 0 && !o.keep_scale) begin = beginScale(o, other);
+  Aligned result;
+  result.scale = begin.scale;
+  bool is_fixed = o.keep_scale;
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds; ++round) {
+    if (result.scale > 0) o.parameters.set("map.scale", result.scale);
+    result.pairs = localize(o, other, begin.is_metric || round > 0, 0);
+    result.fit = fitSimilarity(result.pairs.pairs, is_fixed);
+    if (is_fixed) break;
+    // The last run has the fitted scale, or the unit that it must be.
+    constexpr double kSettled = 0.02;
+    is_fixed = std::abs(result.fit.similarity.scale - 1) < kSettled;
+    result.scale =
+        is_fixed ? usualUnit(result.scale * result.fit.similarity.scale, result.fit.scale_sigma)
+                 : result.scale * result.fit.similarity.scale;
+  }
+  return result;
+}
+
+int run(AlignOptions o) {
+  for (const std::string& file : {o.out}) checkOutput(file);
+  if (o.model.empty()) throw ParameterError("--model is missing");
+  if (o.initial_pose.empty() && o.up.empty()) o.global = true;
+  const Trajectory other = otherPoses(o);
+  const Aligned aligned = align(o, other);
+  const double scale = aligned.scale > 0 ? aligned.scale : 1;
+  const SimilarityFit& fit = aligned.fit;
+  const Placement placement = placementOf(parametersOf(o).map, scale, fit.similarity);
+  const std::string yaml = asYaml(placement);
+  if (!o.out.empty()) {
+    std::ofstream file(o.out);
+    file << yaml;
+    if (!file.flush()) throw InputError(o.out + ": cannot be written");
+  }
+  if (o.json) {
+    const MapParameters& m = placement.map;
+    std::printf("%s\n", textOf({{"scale", m.scale},
+                                {"position", {m.x, m.y, m.z}},
+                                {"yaw_deg", m.yaw_deg},
+                                {"pitch_deg", m.pitch_deg},
+                                {"roll_deg", m.roll_deg},
+                                {"sigma",
+                                 {{"position_m", fit.position_sigma},
+                                  {"angle_deg", fit.rotation_sigma / kDegree},
+                                  {"scale", fit.scale_sigma}}},
+                                {"images", aligned.pairs.images},
+                                {"tracked", aligned.pairs.tracked},
+                                {"used", fit.used}})
+                            .c_str());
+  } else {
+    std::printf(
+        "%s%zu of %zu images tracked, %zu poses agree: %.1f cm, %.2f deg rms\n"
+        "standard deviation: %.2f cm in the middle of the flight, %.3f deg, scale %.2g\n",
+        yaml.c_str(), aligned.pairs.tracked, aligned.pairs.images, fit.used, 100 * fit.position_rms,
+        fit.rotation_rms / kDegree, 100 * fit.position_sigma, fit.rotation_sigma / kDegree,
+        fit.scale_sigma * placement.map.scale);
+    const Eigen::Quaterniond q(placement.whole.rotation);
+    std::printf(
+        "as a transform of a model in metres: static_transform_publisher %.6f %.6f %.6f %.7f "
+        "%.7f %.7f %.7f OTHER_FRAME map\n",
+        placement.map.x, placement.map.y, placement.map.z, q.x(), q.y(), q.z(), q.w());
+  }
+  constexpr double kOtherBody = 10 * kDegree;
+  if (fit.disagreement > kOtherBody)
+    std::fprintf(stderr,
+                 "warning: orientations and positions disagree by %.0f deg; are the poses those of "
+                 "another body (base and camera)?\n",
+                 fit.disagreement / kDegree);
+  const bool is_good =
+      2 * aligned.pairs.tracked > aligned.pairs.images && fit.disagreement < kOtherBody;
+  return is_good ? kExitOk : kExitIncomplete;
+}
+
+}  // namespace
+
+void addAlign(CLI::App* app, Action* action) {
+  auto o = std::make_shared<AlignOptions>();
+  CLI::App* c = app->add_subcommand(
+      "align", "find where a model lies in the coordinates of another system (SLAM, odometry)");
+  o->addTo(c);
+  c->add_option(
+      "--poses", o->poses,
+      "trajectory of the other system with the times of the recording (TUM or EuRoC "
+      "format), of the same body as the localizer's; default: the odometry of the recording");
+  c->add_flag("--keep-scale", o->keep_scale,
+              "the scale of the model is right; default: it is fitted");
+  c->add_option("--out", o->out, "YAML file with the parameters map.*, for --params");
+  c->add_flag("--json", o->json, "print the result as JSON");
+  c->callback([o, action] { *action = [o] { return run(*o); }; });
+}
+
+}  // namespace edge_mcl
