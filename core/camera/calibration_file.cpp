@@ -18,7 +18,7 @@ constexpr const char* kFormats =
 /// Access to the keys of one file, with errors that name both.
 class Keys {
  public:
-  Keys(YAML::Node node, std::string origin) : node_(std::move(node)), origin_(std::move(origin)) {}
+  Keys(const YAML::Node& node, std::string origin) : node_(node), origin_(std::move(origin)) {}
 
   const std::string& origin() const { return origin_; }
   bool has(const char* key) const { return node_.IsMap() && node_[key]; }

@@ -31,8 +31,8 @@ Pose mountingIn(const std::string& file) {
     if (!root.IsMap() || !root["T_BS"]) return pose;
     const auto v = root["T_BS"]["data"].as<std::vector<double>>();
     if (v.size() != 16) throw InputError(file + ": T_BS must have 16 numbers");
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 4; ++c) pose.matrix()(r, c) = v[static_cast<size_t>(4 * r + c)];
+    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix(v.data());
+    pose.matrix().topRows<3>() = matrix.topRows<3>();
   } catch (const YAML::Exception& e) {
     throw InputError(file + ": T_BS: " + e.what());
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <opencv2/imgproc.hpp>
 
 #include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/places/free_space.h"
@@ -40,34 +41,26 @@ Pose after(const Motion& motion, const Pose& pose, double heading) {
 /// Coarse picture of lines: which boxes of the image hold a part of one.
 class LineRaster {
  public:
-  LineRaster() : boxes_(kWidth * kHeight, 0) {}
+  LineRaster() : boxes_(cv::Mat::zeros(kHeight, kWidth, CV_8U)) {}
 
   void add(const CameraModel& camera, const Eigen::Vector2d& pixel) {
     const int x = std::min(kWidth - 1, static_cast<int>(pixel.x() * kWidth / camera.width));
     const int y = std::min(kHeight - 1, static_cast<int>(pixel.y() * kHeight / camera.height));
-    boxes_[static_cast<size_t>(y * kWidth + x)] = 1;
+    boxes_.at<uint8_t>(y, x) = 1;
   }
-  int count() const { return static_cast<int>(std::count(boxes_.begin(), boxes_.end(), 1)); }
+  int count() const { return cv::countNonZero(boxes_); }
   /// Number of boxes of this picture that have no neighbour in the other one.
   int without(const LineRaster& other) const {
-    int alone = 0;
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x)
-        if (boxes_[static_cast<size_t>(y * kWidth + x)] != 0 && !other.isNear(x, y)) ++alone;
-    return alone;
+    cv::Mat near;
+    cv::dilate(other.boxes_, near, cv::Mat::ones(3, 3, CV_8U));
+    return cv::countNonZero(boxes_ > near);
   }
 
  private:
   // A box is 1/48 of the image wide, about one degree. Both places are known that well.
   static constexpr int kWidth = 48, kHeight = 36;
 
-  bool isNear(int x, int y) const {
-    for (int v = std::max(0, y - 1); v <= std::min(kHeight - 1, y + 1); ++v)
-      for (int u = std::max(0, x - 1); u <= std::min(kWidth - 1, x + 1); ++u)
-        if (boxes_[static_cast<size_t>(v * kWidth + u)] != 0) return true;
-    return false;
-  }
-  std::vector<uint8_t> boxes_;
+  cv::Mat boxes_;
 };
 
 /// How much the views after one motion differ.

@@ -165,8 +165,8 @@ cv::Mat decodeDepth(const sensor_msgs::CompressedImage& message, bool metres,
   if (message.data.size() <= sizeof header)
     throw InputError(origin + ": the compressed depth image is truncated");
   std::memcpy(&header, message.data.data(), sizeof header);
-  const cv::Mat coded = decodePicture(message.data.data() + sizeof header,
-                                      message.data.size() - sizeof header, origin);
+  cv::Mat coded = decodePicture(message.data.data() + sizeof header,
+                                message.data.size() - sizeof header, origin);
   if (coded.type() != CV_16UC1)
     throw InputError(origin + ": a compressed depth image must have one channel of 16 bits");
   if (!metres) return coded;

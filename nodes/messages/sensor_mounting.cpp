@@ -69,7 +69,7 @@ Pose CameraMounting::of(const tf2::BufferCore& transforms, const std_msgs::Heade
     becomeBase("tf does not know '" + base_frame_ + "'");
     return Pose::Identity();
   }
-  const Pose T_base_camera = sensorMounting(transforms, base_frame_, named, origin);
+  Pose T_base_camera = sensorMounting(transforms, base_frame_, named, origin);
   if (hasBodyAxes(T_base_camera) && !is_axis_told_) {
     is_axis_told_ = true;
     notes_.push_back("frame '" + named.frame_id +

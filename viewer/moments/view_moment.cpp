@@ -17,7 +17,7 @@ const char* UpdateTimes::name(size_t stage) {
 }
 
 cv::Mat shownImage(const cv::Mat& image) {
-  const cv::Mat eight = toEightBits(image);
+  cv::Mat eight = toEightBits(image);
   const int channels = eight.channels();
   if (eight.depth() != CV_8U || (channels != 1 && channels != 3 && channels != 4))
     return cv::Mat::zeros(image.size(), CV_8U);

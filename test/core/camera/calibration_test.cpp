@@ -25,7 +25,7 @@ std::string coefficients(const std::string& numbers, const std::string& tag = ""
 const std::string kMatrix = "215, 0, 161, 0, 214, 119, 0, 0, 1";
 
 std::string write(const std::string& text) {
-  const std::string file = testing::TempDir() + "calibration_test.yaml";
+  std::string file = testing::TempDir() + "calibration_test.yaml";
   std::ofstream(file) << text;
   return file;
 }
@@ -131,17 +131,22 @@ TEST(Calibration, OrbSlamFiles) {
   const std::string size = "Camera.width: 320\nCamera.height: 240\n";
   for (const std::string prefix : {"Camera.", "Camera1."}) {
     const auto key = [&](const char* name, const char* value) {
-      return prefix + name + ": " + value + "\n";
+      std::string line = prefix;
+      return line.append(name).append(": ").append(value).append("\n");
     };
-    const std::string pinhole =
-        key("fx", "215.0") + key("fy", "214.0") + key("cx", "161.0") + key("cy", "119.0");
+    std::string pinhole;
+    for (const auto& [name, value] : {std::pair{"fx", "215.0"}, std::pair{"fy", "214.0"},
+                                      std::pair{"cx", "161.0"}, std::pair{"cy", "119.0"}})
+      pinhole += key(name, value);
     const std::string k1 = key("k1", "-0.12") + key("k2", "0.03");
-    expectCamera(
-        read("%YAML:1.0\n" + size + pinhole + k1 + key("p1", "0.0004") + key("p2", "-0.0003")),
-        {-0.12, 0.03, 0.0004, -0.0003}, false);
-    expectCamera(read("%YAML:1.0\n---\nCamera.type: \"KannalaBrandt8\"\n" + size + pinhole + k1 +
-                      key("k3", "0.001") + key("k4", "0")),
-                 {-0.12, 0.03, 0.001, 0}, true);
+    std::string plain = "%YAML:1.0\n";
+    plain.append(size).append(pinhole).append(k1);
+    plain.append(key("p1", "0.0004")).append(key("p2", "-0.0003"));
+    expectCamera(read(plain), {-0.12, 0.03, 0.0004, -0.0003}, false);
+    std::string fisheye = "%YAML:1.0\n---\nCamera.type: \"KannalaBrandt8\"\n";
+    fisheye.append(size).append(pinhole).append(k1);
+    fisheye.append(key("k3", "0.001")).append(key("k4", "0"));
+    expectCamera(read(fisheye), {-0.12, 0.03, 0.001, 0}, true);
     EXPECT_NE(errorOf("%YAML:1.0\n" + pinhole).find("Camera.width"), std::string::npos);
   }
 }

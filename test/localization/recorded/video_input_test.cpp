@@ -14,7 +14,7 @@ namespace edge_mcl {
 namespace {
 
 std::string writeVideo(const cv::Size& size, int count, double rate) {
-  const std::string file = testing::TempDir() + "video_input_test.avi";
+  std::string file = testing::TempDir() + "video_input_test.avi";
   cv::VideoWriter writer(file, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
                          rate, size);
   EXPECT_TRUE(writer.isOpened());
