@@ -36,7 +36,7 @@ RANKS = [
     ['viewer/output'],
     ['viewer/window'],
     ['nodes/messages', 'nodes/common'],
-    ['nodes/bags', 'nodes/localizer', 'nodes/detector', 'nodes/openni2', 'nodes/simulator'],
+    ['nodes/bags', 'nodes/localizer', 'nodes/detector', 'nodes/mavros', 'nodes/openni2', 'nodes/simulator'],
     ['nodes/viewer'],
     ['apps'],
     ['apps/recordings', 'apps/experiments', 'apps/bench'],

@@ -198,7 +198,9 @@ PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaus
     pose = *recorded;
   } else {
     throw InputError(o.recording + ": the recording has no initial pose; " +
-                     "give it with --initial-pose" + ", or search for it with --global");
+                     (kindOf(o.recording) == RecordingKind::kDirectory
+                          ? "set initial_pose in its sequence.yaml, give it with --initial-pose"
+                          : "give it with --initial-pose") + ", or search for it with --global");
   }
   if (!o.initial_std.empty() || pose.covariance.isZero()) {
     const auto [metres, radians] = parseInitialStd(o.initial_std.empty() ? "0.1,3" : o.initial_std);

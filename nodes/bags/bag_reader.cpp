@@ -65,6 +65,7 @@ struct BagReader::Impl {
 
   /// Finds the topics of the images. @throws InputError when the bag has no images
   void findTopics() {
+    const bool is_default = topics.image == BagTopics().image;
     topics.image = bags.recordedTopic(topics.image);
     if (!bags.has(topics.image)) {
       std::vector<std::string> found = bags.imageTopics();
@@ -74,7 +75,7 @@ struct BagReader::Impl {
                                    return contains(topic, "depth") || contains(topic, "mask");
                                  }),
                   found.end());
-      if (found.size() != 1)
+      if (found.size() != 1 || !is_default)
         throw InputError(file + ": no images on " + topics.image + "; topics with images: " +
                          joined(all) + (all.empty() ? "" : "; name one with --topics image=..."));
       notes.push_back("the images are those on " + found.front());

@@ -23,6 +23,7 @@ ResultPublisher::ResultPublisher(ros::NodeHandle nh, ros::NodeHandle private_nh,
       status_(private_nh.advertise<Status>("status", 5, true)),
       model_(private_nh.advertise<visualization_msgs::Marker>("model", 1, true)),
       odometry_(nh.advertise<nav_msgs::Odometry>("odometry/filtered", 20)),
+      path_(nh.advertise<nav_msgs::Path>("path", 1)),
       transport_(private_nh),
       overlay_(transport_.advertise("overlay", 1)) {}
 
@@ -37,6 +38,7 @@ void ResultPublisher::publish(const LiveResult& result, const LiveLocalizer& loc
     pose.pose = toPoseMessage(result.estimate);
     pose_.publish(pose);
     publishTransform(result.estimate, context);
+    publishPath(result, context.stamp);
     if (cloud_.getNumSubscribers() > 0) publishCloud(localizer, context.stamp);
     if (overlay_.getNumSubscribers() > 0) publishOverlay(result, localizer, context);
   }
@@ -71,6 +73,27 @@ void ResultPublisher::publishTransform(const PoseGaussian& estimate, const Resul
 void ResultPublisher::forgetPose() {
   const std::lock_guard<std::mutex> lock(anchor_mutex_);
   anchor_.reset();
+}
+
+void ResultPublisher::publishPath(const LiveResult& result, const ros::Time& stamp) {
+  constexpr double kStep = 0.05;   // m from pose to pose
+  constexpr size_t kMost = 20000;  // poses, a flight of 1 km
+  if (result.state != LocalizerState::kTracking) return;
+  geometry_msgs::PoseStamped pose;
+  pose.header.stamp = stamp;
+  pose.header.frame_id = params_.global_frame_id;
+  pose.pose = toPoseMessage(result.estimate.mean);
+  std::vector<geometry_msgs::PoseStamped>& poses = path_so_far_.poses;
+  // A bag that is played again begins a new path.
+  if (!poses.empty() && stamp < poses.back().header.stamp) poses.clear();
+  if (!poses.empty()) {
+    const geometry_msgs::Point &a = poses.back().pose.position, &b = pose.pose.position;
+    if (std::hypot(a.x - b.x, a.y - b.y, a.z - b.z) < kStep) return;
+  }
+  if (poses.size() >= kMost) poses.erase(poses.begin(), poses.begin() + kMost / 10);
+  poses.push_back(pose);
+  path_so_far_.header = pose.header;
+  if (path_.getNumSubscribers() > 0) path_.publish(path_so_far_);
 }
 
 void ResultPublisher::publishCloud(const LiveLocalizer& localizer, const ros::Time& stamp) {

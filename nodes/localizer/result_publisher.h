@@ -4,6 +4,7 @@
 #include <edge_mcl/Status.h>
 #include <image_transport/image_transport.h>
 #include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
 #include <ros/node_handle.h>
 #include <tf2_ros/transform_broadcaster.h>
 
@@ -51,6 +52,8 @@ class ResultPublisher {
 
  private:
   void publishTransform(const PoseGaussian& estimate, const ResultContext& context);
+  /// Adds a trusted pose to the path.
+  void publishPath(const LiveResult& result, const ros::Time& stamp);
   void publishCloud(const LiveLocalizer& localizer, const ros::Time& stamp);
   void publishStatus(const LiveResult& result, const LiveLocalizer& localizer,
                      const ResultContext& context);
@@ -66,7 +69,8 @@ class ResultPublisher {
 
   NodeParameters params_;
   FilterParameters filter_;  // holds the noise of odometry
-  ros::Publisher pose_, cloud_, hypotheses_, status_, model_, odometry_;
+  ros::Publisher pose_, cloud_, hypotheses_, status_, model_, odometry_, path_;
+  nav_msgs::Path path_so_far_;
   image_transport::ImageTransport transport_;
   image_transport::Publisher overlay_;
   tf2_ros::TransformBroadcaster broadcaster_;

@@ -46,7 +46,6 @@ def sequence_in(c, name):
 def contradictions(c, source):
     sequence, office = sequence_in(c, 'options'), os.path.join(source, 'maps', 'office_flight.yaml')
     est, film, shot = (os.path.join(c.folder, name) for name in ('est.txt', 'film.mp4', 'shot'))
-    camera = os.path.join(sequence, 'camera.yaml')
     trials = ('trials', office, '--count', '1')
     headless = ('view', sequence, '--headless', '--pictures', shot)
     for words, options in (
@@ -54,7 +53,6 @@ def contradictions(c, source):
                                           '--out', est)),
             (('--global', '--initial-pose'), ('localize', 'x.bag', '--global', *ORIGIN[:2])),
             (('--up', '--initial-pose'), ('localize', 'x.bag', '--up', '0,-1,0', *ORIGIN[:2])),
-            (('--camera',), ('localize', sequence, '--camera', camera, '--out', est)),
             (('--images', '--headless'), ('view', sequence, '--images', '2')),
             (('--video', '--headless'), ('view', sequence, '--video', film)),
             (('--loop',), headless + ('--loop',)),

@@ -127,8 +127,8 @@ def bad_input(c):
     c.case('model without meaning', INPUT, ['model.obj'], overwrite('model.obj', 'hello\n'))
     c.case('NaN vertex', INPUT, ['model.obj'], replace('model.obj', 'v -0.1 -0.1', 'v nan -0.1'))
     c.case('absurd vertex', INPUT, ['vertex'], replace('model.obj', 'v -0.1 -0.1', 'v 1e20 -0.1'))
-    c.case('camera without a key', INPUT, ['camera.yaml', 'distortion_model'],
-           replace('camera.yaml', 'distortion_model: plumb_bob\n', ''))
+    c.case('camera without a key', INPUT, ['camera.yaml', 'image_width'],
+           replace('camera.yaml', 'image_width', 'picture_width'))
     c.case('camera that is no YAML', INPUT, ['camera.yaml'], overwrite('camera.yaml', '{[:'))
     c.case('NaN initial pose', INPUT, ['initial_pose'],
            replace('sequence.yaml', '[0, 0, 0, 0', '[.nan, 0, 0, 0'))
