@@ -1,11 +1,10 @@
 #include "edge_mcl/sim/scene.h"
 
-#include <embree3/rtcore.h>
-
 #include <cmath>
 #include <limits>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/mesh/embree.h"
 #include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
@@ -141,10 +140,7 @@ void Scene::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f* direction
     rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(valid, impl_->top, &context, &rays);
+  embree::intersect16(valid, impl_->top, &rays);
   for (int i = 0; i < count; ++i) {
     if (!valid[i] || rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     SceneHit& hit = hits[i];

@@ -1,6 +1,5 @@
 #include "edge_mcl/core/edges/covered_edges.h"
 
-#include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "edge_mcl/core/mesh/embree.h"
 #include "edge_mcl/core/mesh/ray_mesh.h"
 
 namespace edge_mcl {
@@ -45,7 +45,7 @@ RTCRay rayOf(const Vector3d& from, const Vector3d& direction, double far) {
 
 /// A query that notes whether a ray meets a face that looks against `normal`.
 struct FacingQuery {
-  RTCIntersectContext context;  // the first member, so that the filter finds the others
+  embree::QueryContext context;  // the first member, so that the filter finds the others
   const MeshModel* mesh;
   Vector3d normal;
   double parallel;
@@ -134,10 +134,8 @@ class Cover {
   /// from everywhere, so every hit of the ray counts.
   bool touchesOther(const Vector3d& on_face, const Vector3d& normal) const {
     FacingQuery query{{}, &mesh_, normal, kParallel, false};
-    rtcInitIntersectContext(&query.context);
-    query.context.filter = &FacingQuery::filter;
     RTCRay ray = rayOf(on_face + near_ * normal, -normal, 2 * near_);
-    rtcOccluded1(scene_.get(), &query.context, &ray);
+    embree::occluded1(scene_.get(), &ray, &query.context, &FacingQuery::filter);
     return query.found;
   }
 

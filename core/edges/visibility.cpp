@@ -1,6 +1,5 @@
 #include "edge_mcl/core/edges/visibility.h"
-
-#include <embree3/rtcore.h>
+#include "edge_mcl/core/mesh/embree.h"
 
 #include <algorithm>
 #include <bitset>
@@ -31,10 +30,7 @@ namespace {
 /// of their way through the scene.
 class RayPacket {
  public:
-  RayPacket(RTCScene scene, const Eigen::Vector3f& from) : scene_(scene), from_(from) {
-    rtcInitIntersectContext(&context_);
-    context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  }
+  RayPacket(RTCScene scene, const Eigen::Vector3f& from) : scene_(scene), from_(from) {}
 
   /// Adds the ray to a point.
   /// @param tolerance surfaces closer than this to the point do not hide it, metres.
@@ -62,7 +58,7 @@ class RayPacket {
   void trace() {
     alignas(64) int valid[kSize];
     for (int i = 0; i < kSize; ++i) valid[i] = i < count_ ? -1 : 0;
-    rtcOccluded16(valid, scene_, &context_, &rays_);
+    embree::occluded16(valid, scene_, &rays_);
     for (int i = 0; i < count_; ++i)
       if (rays_.tfar[i] < 0) *targets_[i].visible &= static_cast<uint16_t>(~targets_[i].bit);
     count_ = 0;
@@ -76,7 +72,6 @@ class RayPacket {
   };
   RTCScene scene_;
   Eigen::Vector3f from_;
-  RTCIntersectContext context_;
   RTCRay16 rays_{};
   Target targets_[kSize];
   int count_ = 0;

@@ -1,6 +1,6 @@
 #include "edge_mcl/core/mesh/closest_point.h"
 
-#include <embree3/rtcore.h>
+#include "edge_mcl/core/mesh/embree.h"
 
 namespace edge_mcl {
 

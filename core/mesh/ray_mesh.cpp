@@ -1,8 +1,7 @@
 #include "edge_mcl/core/mesh/ray_mesh.h"
 
-#include <embree3/rtcore.h>
-
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/core/mesh/embree.h"
 
 namespace edge_mcl {
 
@@ -73,9 +72,7 @@ std::optional<RayHit> firstHit(RTCSceneTy* scene, const Eigen::Vector3f& from,
   RTCRayHit ray{};
   ray.ray = rayOf(from, direction, begin, end);
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene, &context, &ray);
+  embree::intersect1(scene, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return RayHit{ray.hit.primID, ray.ray.tfar, ray.hit.u, ray.hit.v};
 }
@@ -83,9 +80,7 @@ std::optional<RayHit> firstHit(RTCSceneTy* scene, const Eigen::Vector3f& from,
 bool isBlocked(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f& to,
                float margin, float end_margin) {
   RTCRay ray = rayOf(from, to - from, margin, 1 - end_margin);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(scene, &context, &ray);
+  embree::occluded1(scene, &ray);
   return ray.tfar < 0;
 }
 

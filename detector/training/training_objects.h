@@ -1,11 +1,10 @@
 /// Loads the objects of the training images into the ray caster.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <string>
 #include <vector>
 
+#include "edge_mcl/core/mesh/embree.h"
 #include "edge_mcl/core/mesh/mesh_model.h"
 
 namespace edge_mcl {

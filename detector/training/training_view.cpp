@@ -166,10 +166,7 @@ void TrainingView::sampleTile(const Camera& camera, const cv::Size& size, const 
     rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(valid, top_, &context, &rays);
+  embree::intersect16(valid, top_, &rays);
   for (int i = 0; i < kPacket; ++i) {
     samples[i] = {Eigen::Vector3f::Zero(), 0};
     if (rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;

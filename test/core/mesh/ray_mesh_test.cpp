@@ -1,11 +1,11 @@
 #include "edge_mcl/core/mesh/ray_mesh.h"
 
-#include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "edge_mcl/core/mesh/closest_point.h"
+#include "edge_mcl/core/mesh/embree.h"
 #include "support/random_points.h"
 #include "support/scenes.h"
 
@@ -75,9 +75,7 @@ TEST(AttachMesh, FacesKeepTheirNumbers) {
     ray.ray.tfar = INFINITY;
     ray.ray.mask = 0xffffffffu;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene.get(), &context, &ray);
+    embree::intersect1(scene.get(), &ray);
     const bool hits = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     if (!hits && expected.face < 0) continue;  // out through a wall that is closer than 1 cm
     if (!hits || std::abs(ray.ray.tfar - expected.depth) > kMetres) {
