@@ -227,14 +227,21 @@ Aligned align(AlignOptions o, const Trajectory& other) {
   for (int round = 0; round < kRounds; ++round) {
     if (result.scale > 0) o.parameters.set("map.scale", result.scale);
     result.pairs = localize(o, other, begin.is_metric || round > 0, 0);
+    if (result.pairs.pairs.empty() && result.pairs.tracked > 0)
+      throw InputError((o.poses.empty() ? o.recording : o.poses) +
+                       ": no pose has the time of a "
+                       "tracked image; its poses are from " +
+                       other.front().time_text + " to " + other.back().time_text + " s");
     result.fit = fitSimilarity(result.pairs.pairs, is_fixed);
     if (is_fixed) break;
-    // The last run has the fitted scale, or the unit that it must be.
     constexpr double kSettled = 0.02;
-    is_fixed = std::abs(result.fit.similarity.scale - 1) < kSettled;
-    result.scale =
-        is_fixed ? usualUnit(result.scale * result.fit.similarity.scale, result.fit.scale_sigma)
-                 : result.scale * result.fit.similarity.scale;
+    const double fitted = result.scale * result.fit.similarity.scale;
+    const double unit = usualUnit(fitted, result.fit.scale_sigma);
+    const bool is_settled = std::abs(result.fit.similarity.scale - 1) < kSettled;
+    // The last run has the unit that the scale must be, or fits the scale.
+    if (is_settled && unit == fitted && (begin.is_metric || round > 0)) break;
+    is_fixed = is_settled && unit != fitted;
+    result.scale = is_settled ? unit : fitted;
   }
   return result;
 }
@@ -242,6 +249,10 @@ Aligned align(AlignOptions o, const Trajectory& other) {
 int run(AlignOptions o) {
   for (const std::string& file : {o.out}) checkOutput(file);
   if (o.model.empty()) throw ParameterError("--model is missing");
+  if (!o.initial_pose.empty() && parametersOf(o).map.scale <= 0 && !o.keep_scale)
+    throw ParameterError(
+        "--initial-pose needs the scale of the model: --set map.scale=..., or "
+        "--keep-scale");
   if (o.initial_pose.empty() && o.up.empty()) o.global = true;
   const Trajectory other = otherPoses(o);
   const Aligned aligned = align(o, other);
@@ -276,12 +287,27 @@ int run(AlignOptions o) {
         yaml.c_str(), aligned.pairs.tracked, aligned.pairs.images, fit.used, 100 * fit.position_rms,
         fit.rotation_rms / kDegree, 100 * fit.position_sigma, fit.rotation_sigma / kDegree,
         fit.scale_sigma * placement.map.scale);
+    constexpr double kMetric = 0.01;  // a static transform has no scale
+    const bool is_rigid =
+        std::abs(placement.map.scale / (aligned.scale > 0 ? aligned.scale : 1) - 1) < kMetric;
     const Eigen::Quaterniond q(placement.whole.rotation);
-    std::printf(
-        "as a transform of a model in metres: static_transform_publisher %.6f %.6f %.6f %.7f "
-        "%.7f %.7f %.7f OTHER_FRAME map\n",
-        placement.map.x, placement.map.y, placement.map.z, q.x(), q.y(), q.z(), q.w());
+    if (is_rigid)
+      std::printf(
+          "as a transform of a model in metres: static_transform_publisher %.6f %.6f %.6f %.7f "
+          "%.7f %.7f %.7f OTHER_FRAME map\n",
+          placement.map.x, placement.map.y, placement.map.z, q.x(), q.y(), q.z(), q.w());
   }
+  // Poses of one body agree to some centimetres. An offset in time, or a body beside the camera,
+  // does not.
+  constexpr double kFarApart = 0.05, kTurned = 1.5 * kDegree;  // m, rad
+  const bool is_poor = fit.position_rms > kFarApart || fit.rotation_rms > kTurned;
+  if (is_poor)
+    std::fprintf(
+        stderr,
+        "warning: the poses agree to %.0f cm and %.1f deg only; are the poses of %s those of "
+        "another body (base, camera, IMU), or are their times shifted?\n",
+        100 * fit.position_rms, fit.rotation_rms / kDegree,
+        o.poses.empty() ? "the odometry" : o.poses.c_str());
   constexpr double kOtherBody = 10 * kDegree;
   if (fit.disagreement > kOtherBody)
     std::fprintf(stderr,
@@ -289,7 +315,7 @@ int run(AlignOptions o) {
                  "another body (base and camera)?\n",
                  fit.disagreement / kDegree);
   const bool is_good =
-      2 * aligned.pairs.tracked > aligned.pairs.images && fit.disagreement < kOtherBody;
+      2 * aligned.pairs.tracked > aligned.pairs.images && fit.disagreement < kOtherBody && !is_poor;
   return is_good ? kExitOk : kExitIncomplete;
 }
 

@@ -200,7 +200,8 @@ PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaus
     throw InputError(o.recording + ": the recording has no initial pose; " +
                      (kindOf(o.recording) == RecordingKind::kDirectory
                           ? "set initial_pose in its sequence.yaml, give it with --initial-pose"
-                          : "give it with --initial-pose") + ", or search for it with --global");
+                          : "give it with --initial-pose") +
+                     ", or search for it with --global");
   }
   if (!o.initial_std.empty() || pose.covariance.isZero()) {
     const auto [metres, radians] = parseInitialStd(o.initial_std.empty() ? "0.1,3" : o.initial_std);

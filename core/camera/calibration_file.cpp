@@ -75,7 +75,7 @@ CameraModel fromCameraMatrix(const Keys& file) {
   const std::vector<double> d = file.numbers("distortion_coefficients");
   std::string model;
   for (const char* key : {"distortion_model", "camera_model"})
-    if (model.empty() && file.has(key)) model = file.as<std::string>(key);
+    if (model.empty() && file.has(key) && !file.at(key).IsNull()) model = file.as<std::string>(key);
   if (model.empty() && file.has("fisheye_model") && file.number("fisheye_model") != 0)
     model = "fisheye";
   return CameraModel::fromFields(file.as<int>("image_width"), file.as<int>("image_height"), k,
@@ -109,13 +109,15 @@ CameraModel fromOrbSlam(const Keys& file, const std::string& prefix) {
                        "' is missing; add the size of the images");
   const std::string type =
       file.has("Camera.type") ? file.as<std::string>("Camera.type") : "PinHole";
-  std::string model;
+  std::string model = type == "Rectified" ? "none" : "";
   std::vector<double> d = {optional("k1"), optional("k2"), optional("p1"), optional("p2"),
                            optional("k3")};
-  if (type == "KannalaBrandt8") {
+  if (type == "Rectified") {
+    d.clear();
+  } else if (type == "KannalaBrandt8") {
     model = "fisheye";
     d = {optional("k1"), optional("k2"), optional("k3"), optional("k4")};
-  } else if (type != "PinHole" && type != "Rectified") {
+  } else if (type != "PinHole") {
     throw InputError(file.origin() + ": Camera.type '" + type +
                      "' is not supported (PinHole, KannalaBrandt8, Rectified)");
   }

@@ -11,6 +11,9 @@ namespace edge_mcl::embree {
 
 #if RTC_VERSION_MAJOR >= 4
 
+/// Flag of a scene whose queries may have a filter.
+constexpr RTCSceneFlags kFilterFlag = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+
 /// What a filter function gets as `context`. It can be the first member of a larger struct.
 using QueryContext = RTCRayQueryContext;
 
@@ -49,6 +52,8 @@ inline void occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
 }
 
 #else
+
+constexpr RTCSceneFlags kFilterFlag = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
 using QueryContext = RTCIntersectContext;
 

@@ -50,8 +50,8 @@ RayScene::RayScene(const MeshModel& mesh, Rays rays) : device_(rtcNewDevice(null
   scene_ = rtcNewScene(device_);
   if (rays == Rays::kRobust) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
   if (rays == Rays::kEvery)
-    rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
-                                                        RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+    rtcSetSceneFlags(scene_,
+                     static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | embree::kFilterFlag));
   try {
     attachMesh(device_, scene_, mesh);
   } catch (...) {

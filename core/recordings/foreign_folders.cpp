@@ -33,6 +33,10 @@ Pose mountingIn(const std::string& file) {
     if (v.size() != 16) throw InputError(file + ": T_BS must have 16 numbers");
     const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix(v.data());
     pose.matrix().topRows<3>() = matrix.topRows<3>();
+    constexpr double kRounding = 1e-3;
+    const Eigen::Matrix3d square = pose.linear() * pose.linear().transpose();
+    if (!matrix.allFinite() || !square.isIdentity(kRounding) || pose.linear().determinant() < 0)
+      throw InputError(file + ": T_BS is not a rotation and a shift");
   } catch (const YAML::Exception& e) {
     throw InputError(file + ": T_BS: " + e.what());
   }
@@ -50,12 +54,15 @@ bool readEuroc(const fs::path& camera, const std::string& camera_file, Sequence*
   lists.origin = (camera / "data.csv").string();
   lists.images = readFileList(lists.origin);
   for (StampedFile& image : lists.images) image.file = (camera / "data" / image.file).string();
-  for (const char* name : {"state_groundtruth_estimate0", "vicon0", "leica0", "mocap0"}) {
+  for (const char* name : {"state_groundtruth_estimate0", "vicon0", "mocap0"}) {
     const fs::path truth = camera.parent_path() / name / "data.csv";
     if (!isThere(truth) || !isThere(sensor)) continue;
     lists.truth = readTrajectory(truth.string());
-    const Pose T_body_camera = mountingIn(sensor);
-    for (StampedPose& pose : lists.truth) pose.pose = pose.pose * T_body_camera;
+    // The truth is that of the marker, which has a place on the body as well.
+    const std::string marker = (camera.parent_path() / name / "sensor.yaml").string();
+    const Pose T_body_marker = isThere(marker) ? mountingIn(marker) : Pose::Identity();
+    const Pose T_marker_camera = T_body_marker.inverse() * mountingIn(sensor);
+    for (StampedPose& pose : lists.truth) pose.pose = pose.pose * T_marker_camera;
     break;
   }
   fillFrames(lists, sequence);
@@ -129,6 +136,7 @@ cv::Size sizeOf(const fs::path& image) {
 }
 
 bool readKitti(const fs::path& root, const std::string& camera_file, Sequence* sequence) {
+  constexpr size_t kLongest = 9;  // digits of a counter
   if (!isThere(root / "times.txt")) return false;
   for (const char* number : {"0", "2"}) {
     const fs::path folder = root / (std::string("image_") + number);
@@ -141,12 +149,17 @@ bool readKitti(const fs::path& root, const std::string& camera_file, Sequence* s
     SequenceLists lists;
     lists.origin = (root / "times.txt").string();
     std::ifstream in(lists.origin);
-    std::string text;
-    for (const std::string& name : names) {
-      if (!(in >> text))
-        throw InputError(lists.origin + ": has fewer lines than there are images in " +
-                         folder.string());
-      lists.images.push_back({std::atof(text.c_str()), text, (folder / name).string()});
+    std::vector<std::string> times;
+    for (std::string text; in >> text;) times.push_back(text);
+    for (size_t i = 0; i < names.size(); ++i) {
+      // Image 000012 belongs to line 12, even when another image is missing.
+      const std::string stem = fs::path(names[i]).stem().string();
+      const bool is_number = stem.find_first_not_of("0123456789") == std::string::npos;
+      const size_t line = is_number && stem.size() < kLongest ? std::stoul(stem) : i;
+      if (line >= times.size())
+        throw InputError(lists.origin + ": has no line for the image " + names[i]);
+      const double time = stampIn(&times[line], lists.origin + ":" + std::to_string(line + 1));
+      lists.images.push_back({time, times[line], (folder / names[i]).string()});
     }
     fillFrames(lists, sequence);
     return true;
@@ -154,12 +167,21 @@ bool readKitti(const fs::path& root, const std::string& camera_file, Sequence* s
   return false;
 }
 
-/// Whether all names are numbers that can be stamps.
+/// Whether all names are times since 1970, between 2001 and 2096. Counters are smaller, and dates
+/// as one number (20240101120000) are none.
 bool areStamps(const std::vector<std::string>& names) {
-  constexpr size_t kFewest = 10;  // digits of a time in seconds since 1970
+  constexpr size_t kFewest = 10;                    // digits of such a time in seconds
+  constexpr double kEarliest = 1e9, kLatest = 4e9;  // s
   return std::all_of(names.begin(), names.end(), [](const std::string& name) {
-    const std::string stem = fs::path(name).stem().string();
-    return stem.size() >= kFewest && stem.find_first_not_of("0123456789.") == std::string::npos;
+    std::string stem = fs::path(name).stem().string();
+    if (stem.size() < kFewest || stem.find_first_not_of("0123456789.") != std::string::npos)
+      return false;
+    try {
+      const double time = stampIn(&stem, name);
+      return time > kEarliest && time < kLatest;
+    } catch (const InputError&) {
+      return false;
+    }
   });
 }
 
@@ -216,7 +238,13 @@ bool readForeignFolder(const std::string& camera_file, Sequence* sequence) {
   }
   for (const fs::path& camera : {root / "mav0" / "cam0", root / "cam0", root})
     if (readEuroc(camera, camera_file, sequence)) return true;
-  return readKitti(root, camera_file, sequence) || readPhotographs(root, camera_file, sequence);
+  if (readKitti(root, camera_file, sequence) || readPhotographs(root, camera_file, sequence))
+    return true;
+  if (isThere(root / "camera.yaml")) return false;  // its list is missing, which is told
+  throw InputError(
+      root.string() +
+      ": neither a sequence (no rgb.txt) nor a folder of EuRoC (mav0/cam0/data.csv), of "
+      "KITTI (image_0, times.txt) or of images");
 }
 
 }  // namespace edge_mcl

@@ -76,23 +76,35 @@ Stamp stampOf(const std::string& text, const std::string& where) {
 
 enum class QuaternionOrder { kXyzw, kWxyz, kUnknown };
 
-/// The order that the first line tells. Without commas it is that of TUM.
+/// The order that names of columns in the lines before the first numbers tell: what stands beside
+/// w. Without names it is that of TUM, but tables with commas come in both orders.
 QuaternionOrder orderOf(const std::string& file) {
   std::ifstream in(file);
-  std::string head;
-  std::getline(in, head);
-  std::transform(head.begin(), head.end(), head.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  // Names as in "qw", "q_w" and "q_RS_w".
-  const auto find = [&](char part) {
-    for (const std::string name : {"q", "q_", "q_rs_"})
-      if (const auto at = head.find(name + part); at != std::string::npos) return at;
-    return std::string::npos;
-  };
-  const auto w = find('w'), x = find('x');
-  if (w != std::string::npos && x != std::string::npos)
-    return w < x ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
-  return head.find(',') == std::string::npos ? QuaternionOrder::kXyzw : QuaternionOrder::kUnknown;
+  std::vector<std::string> names;
+  std::string line;
+  while (std::getline(in, line)) {
+    const auto first = line.find_first_not_of(" \t");
+    if (first == std::string::npos) continue;
+    if (line[first] != '#' && std::isalpha(static_cast<unsigned char>(line[first])) == 0) break;
+    names.emplace_back();  // a name does not go on in the next line
+    for (const char c : line)
+      if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.')
+        names.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      else if (!names.back().empty())
+        names.emplace_back();
+  }
+  names.erase(std::remove(names.begin(), names.end(), ""), names.end());
+  for (size_t i = 0; i < names.size(); ++i) {
+    const std::string& name = names[i];
+    // "w", "qw", "q_w", "q_RS_w", "quat_w", "orientation.w", but not a word like "now".
+    const bool is_w = name.back() == 'w' &&
+                      (name.size() == 1 || name[0] == 'q' || name.find('_') != std::string::npos ||
+                       name.find('.') != std::string::npos);
+    if (!is_w) continue;
+    if (i + 1 < names.size() && names[i + 1].back() == 'x') return QuaternionOrder::kWxyz;
+    if (i > 0 && names[i - 1].back() == 'z') return QuaternionOrder::kXyzw;
+  }
+  return line.find(',') == std::string::npos ? QuaternionOrder::kXyzw : QuaternionOrder::kUnknown;
 }
 
 }  // namespace

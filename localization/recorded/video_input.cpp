@@ -14,6 +14,7 @@ struct VideoInput::Impl {
   cv::VideoCapture video;
   double rate = 0;  // Hz
   size_t count = 0, read = 0;
+  bool has_ended = false;
   double first = 0, last = 0;  // s, as the file states it; of the image read last
 };
 
@@ -39,16 +40,24 @@ VideoInput::~VideoInput() = default;
 
 size_t VideoInput::imageCount() const { return std::max(impl_->count, impl_->read); }
 
+std::string VideoInput::damage() const {
+  // Some files state one image more than they have.
+  if (!impl_->has_ended || impl_->read + 1 >= impl_->count) return {};
+  return impl_->file + ": " + std::to_string(impl_->read) + " of " + std::to_string(impl_->count) +
+         " images could be read; the video is damaged or cut off";
+}
+
 bool VideoInput::next(LiveInput* input, std::string* problem) {
   Impl& m = *impl_;
   *input = {};
   problem->clear();
   cv::Mat image;
   try {
-    if (!m.video.read(image) || image.empty()) return false;
+    m.has_ended = !m.video.read(image) || image.empty();
   } catch (const cv::Exception&) {
-    return false;
+    m.has_ended = true;
   }
+  if (m.has_ended) return false;
   // Some decoders begin at 0 and others at one image, and some files state no times.
   const double stated = m.video.get(cv::CAP_PROP_POS_MSEC) / 1000;
   if (m.read++ == 0) m.first = stated;

@@ -21,6 +21,8 @@ class VideoInput : public RecordedInput {
   size_t imageCount() const override;
   const std::optional<PoseGaussian>& initialPose() const override { return none_; }
   const Trajectory& truth() const override { return truth_; }
+  /// Tells after the last image that the file states more images than could be read.
+  std::string damage() const override;
   bool next(LiveInput* input, std::string* problem) override;
 
  private:

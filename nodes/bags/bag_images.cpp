@@ -21,6 +21,13 @@ sensor_msgs::ImageConstPtr imageOf(const rosbag::MessageInstance& message) {
   return stamped;
 }
 
+std::optional<ros::Time> stampIn(const rosbag::MessageInstance& message) {
+  if (const auto raw = message.instantiate<sensor_msgs::Image>()) return raw->header.stamp;
+  if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>())
+    return compressed->header.stamp;
+  return std::nullopt;
+}
+
 void CompanionImages::open(const BagSet& bags, const std::string& topic) {
   view_ = bags.view({topic});
   next_ = view_->begin();

@@ -6,6 +6,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "edge_mcl/nodes/bags/bag_set.h"
@@ -16,6 +17,9 @@ namespace edge_mcl {
 /// it was recorded. @return null when the message is not an image. @throws InputError when it
 /// cannot be decoded
 sensor_msgs::ImageConstPtr imageOf(const rosbag::MessageInstance& message);
+
+/// Stamp of a message with an image, raw or compressed, without decoding it; none: it is no image.
+std::optional<ros::Time> stampIn(const rosbag::MessageInstance& message);
 
 /// Images of another topic (masks or depth) that belong to the images of the camera. They are
 /// read ahead, because they may be recorded later than their image.

@@ -91,6 +91,14 @@ struct BagReader::Impl {
     is_rectified = topics.rectified == "true" ||
                    (topics.rectified == "auto" && isRectifiedTopic(topics.image));
     is_depth_rectified = isRectifiedTopic(topics.depth);
+    if (is_rectified && camera && camera->distortion != DistortionModel::kNone) {
+      camera->distortion = DistortionModel::kNone;
+      camera->coefficients = {};
+      camera->validate(file);
+      notes.emplace_back(
+          "the images are rectified, so the distortion of the calibration file is not "
+          "used; --topics rectified=false uses it");
+    }
   }
 
   void readTransforms() {
@@ -131,10 +139,14 @@ struct BagReader::Impl {
   void readSmallThings() {
     const auto view =
         bags.view({topics.camera_info, topics.depth_info, topics.initial_pose, topics.truth});
+    std::string why;  // a calibration cannot be used
     for (const rosbag::MessageInstance& m : *view) {
       if (const auto info = m.instantiate<sensor_msgs::CameraInfo>()) {
-        if (m.getTopic() == topics.camera_info && !camera)
-          camera = fromMessage(*info, file + ": " + topics.camera_info, is_rectified);
+        if (m.getTopic() == topics.camera_info && !camera) try {
+            camera = fromMessage(*info, file + ": " + topics.camera_info, is_rectified);
+          } catch (const InputError& e) {
+            why = e.what();  // drivers send zeros until they are calibrated
+          }
         if (m.getTopic() == topics.depth_info && !depth_camera)
           depth_camera = fromMessage(*info, file + ": " + topics.depth_info, is_depth_rectified);
       } else if (const auto pose = m.instantiate<geometry_msgs::PoseWithCovarianceStamped>()) {
@@ -147,6 +159,7 @@ struct BagReader::Impl {
                          fromMessage(stamped->pose, file + ": " + topics.truth)});
       }
     }
+    if (!camera && !why.empty()) throw InputError(why);
     if (!camera)
       throw InputError(file + ": no camera_info on " + topics.camera_info +
                        "; name a calibration file with --camera, or the topic with --topics "
@@ -179,18 +192,41 @@ struct BagReader::Impl {
           raw && raw->header.stamp.isZero())
         notes.emplace_back(
             "images without a stamp: the times at which they were recorded are used");
-    constexpr double kOtherClock = 5;  // s; no driver takes so long
-    const ros::Duration offset = (*image).getTime() - first->header.stamp;
-    if (std::abs(offset.toSec()) < kOtherClock || knowsOdometry(first->header.stamp) ||
-        !knowsOdometry((*image).getTime()))
-      return;
-    clock_offset = offset;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the stamps of the images are %.1f s %s the recording: the camera has a clock of "
-                  "its own; its stamps are shifted by that",
-                  std::abs(offset.toSec()), offset.toSec() > 0 ? "behind" : "ahead of");
-    notes.emplace_back(text);
+    if (const auto offset = clockOffset()) {
+      clock_offset = *offset;
+      char text[160];
+      std::snprintf(
+          text, sizeof text,
+          "the stamps of the images are %.1f s %s the recording: the camera has a clock of "
+          "its own; its stamps are shifted by that",
+          std::abs(offset->toSec()), offset->toSec() > 0 ? "behind" : "ahead of");
+      notes.emplace_back(text);
+    }
+  }
+
+  /// Time of recording minus stamp, when it is large, the same for the first images, and brings
+  /// them to times that odometry knows. A single wrong stamp is no other clock.
+  std::optional<ros::Duration> clockOffset() const {
+    constexpr double kOtherClock = 5, kSame = 1;  // s; no driver takes so long
+    constexpr size_t kImages = 10;
+    std::vector<double> offsets;
+    ros::Time first;
+    for (rosbag::View::iterator it = images->begin(); it != images->end(); ++it) {
+      const auto stamp = stampIn(*it);
+      if (!stamp) continue;
+      if (offsets.empty()) first = *stamp;
+      offsets.push_back((*it).getTime().toSec() - stamp->toSec());
+      if (offsets.size() == kImages) break;
+    }
+    if (offsets.size() < 2) return std::nullopt;
+    std::vector<double> sorted = offsets;
+    std::sort(sorted.begin(), sorted.end());
+    const double median = sorted[sorted.size() / 2];
+    if (std::abs(median) < kOtherClock || sorted.back() - sorted.front() > kSame ||
+        knowsOdometry(first) || !knowsOdometry(images->begin()->getTime()))
+      return std::nullopt;
+    // To the nanosecond, since tf knows no time after its last one.
+    return images->begin()->getTime() - first;
   }
 
   ros::Time timeOf(const std_msgs::Header& header) const { return header.stamp + clock_offset; }
@@ -269,6 +305,9 @@ bool BagReader::next(LiveInput* input, std::string* problem) {
   if (m.image == m.images->end()) return false;
   input->time = (*m.image).getTime().toSec();  // used when the stamp cannot be read
   try {
+    // An image that cannot be decoded keeps its place in time.
+    if (const auto known = stampIn(*m.image); known && !known->isZero())
+      input->time = (*known + m.clock_offset).toSec();
     const auto message = imageOf(*m.image);
     if (!message) throw InputError(m.file + ": " + m.topics.image + " holds no images");
     const ros::Time stamp = m.timeOf(message->header);

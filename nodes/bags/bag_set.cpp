@@ -1,6 +1,7 @@
 #include "edge_mcl/nodes/bags/bag_set.h"
 
 #include <algorithm>
+#include <fstream>
 #include <set>
 
 #include "edge_mcl/core/base/error.h"
@@ -24,8 +25,12 @@ std::unique_ptr<rosbag::Bag> opened(const std::string& file) {
                      "its index with `rosbag reindex " +
                      file + "`");
   } catch (const rosbag::BagException& e) {
-    throw InputError(file + ": cannot be read as a bag: " + e.what() +
-                     "; if it was cut off, `rosbag reindex " + file + "` repairs it");
+    std::ifstream in(file, std::ios::binary);
+    std::string head(7, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    throw InputError(
+        file + ": cannot be read as a bag: " + e.what() +
+        (head == "#ROSBAG" ? "; if it was cut off, `rosbag reindex " + file + "` repairs it" : ""));
   } catch (const std::exception& e) {
     throw InputError(file + ": cannot be read as a bag: " + e.what());
   }

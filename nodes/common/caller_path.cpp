@@ -17,6 +17,9 @@ std::string callerPath(const std::string& file) {
   // The caller's folder comes first, since ~/.ros may hold an old file of the same name.
   if (caller != nullptr && fs::exists(of_caller, none)) return of_caller.string();
   if (fs::exists(path, none)) return file;
+  // The file of a camera may name one of several: chain.yaml:cam1.
+  if (const auto colon = file.rfind(':'); colon != std::string::npos && colon > 0)
+    return callerPath(file.substr(0, colon)) + file.substr(colon);
   const fs::path here = fs::current_path(none);
   std::string where = here.string();
   if (caller != nullptr && here != fs::path(caller)) where = std::string(caller) + " or " + where;

@@ -132,6 +132,7 @@ void LocalizerNode::subscribe() {
                                       [this](const ros::WallTimerEvent&) { savePose(); });
   diagnostics_timer_ =
       nh_.createWallTimer(ros::WallDuration(0.1), [this](const ros::WallTimerEvent&) {
+        warnOfSilence();
         if (diagnostics_pace_.isDue(diagnostics_.getPeriod())) diagnostics_.force_update();
       });
 }
@@ -295,6 +296,18 @@ void LocalizerNode::warnOfOtherTransform() {
         "tf has %s -> %s already, from another localizer or a recording; set tf_broadcast to "
         "false here, or leave that transform out there",
         params_.global_frame_id.c_str(), child.c_str());
+}
+
+void LocalizerNode::warnOfSilence() {
+  constexpr double kLong = 5;  // s
+  if (is_silence_told_ || (ros::WallTime::now() - started_).toSec() < kLong) return;
+  is_silence_told_ = true;
+  const std::string topic = queue_->silentTopic();
+  if (!topic.empty())
+    ROS_WARN(
+        "no image has come on %s; if only %s/compressed is published, set "
+        "image_transport to compressed",
+        topic.c_str(), topic.c_str());
 }
 
 void LocalizerNode::savePose() {

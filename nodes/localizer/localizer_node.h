@@ -43,6 +43,8 @@ class LocalizerNode {
   bool saveParticles(UseFile::Request& request, UseFile::Response& response);
   bool loadParticles(UseFile::Request& request, UseFile::Response& response);
   void savePose();
+  /// Tells once when no image comes.
+  void warnOfSilence();
   /// Two publishers of one transform make it jump.
   void warnOfOtherTransform();
   void offerAdjustment();
@@ -62,7 +64,8 @@ class LocalizerNode {
   std::unique_ptr<LiveLocalizer> localizer_;
   bool force_update_ = false;
   uint32_t updates_ = 0;
-  bool is_transform_checked_ = false;
+  bool is_transform_checked_ = false, is_silence_told_ = false;
+  const ros::WallTime started_ = ros::WallTime::now();
   std::optional<UpReading> last_up_;  // of the newest image that had one
   LiveResult last_result_;
   double last_update_ms_ = 0;

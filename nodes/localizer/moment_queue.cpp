@@ -90,6 +90,13 @@ void MomentQueue::subscribe(ros::NodeHandle nh, size_t i) {
                                      }));
 }
 
+std::string MomentQueue::silentTopic() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const Camera& camera = cameras_.front();
+  if (images_received_ > 0) return {};
+  return cues_ == Cues::kDepth ? camera.depth_subscriber.topic() : camera.image_subscriber.topic();
+}
+
 void MomentQueue::receiveImage(size_t camera, const sensor_msgs::ImageConstPtr& image) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++images_received_;

@@ -51,6 +51,8 @@ class MomentQueue {
   /// Ends all waiting; `next` returns nothing from now on.
   void stop();
   size_t cameraCount() const { return cameras_.size(); }
+  /// Topic of the first camera's images when no image has come on any topic; else empty.
+  std::string silentTopic();
 
  private:
   struct Camera {

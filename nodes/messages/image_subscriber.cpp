@@ -1,5 +1,6 @@
 #include "edge_mcl/nodes/messages/image_subscriber.h"
 
+#include <image_transport/exception.h>
 #include <ros/console.h>
 
 #include <utility>
@@ -18,8 +19,15 @@ void ImageSubscriber::subscribe(const ros::NodeHandle& nh,
   topic_ = uncompressedTopic(resolved);
   const bool is_ours = transport == "compressed" || transport == "compressedDepth";
   if (!isCompressedTopic(resolved) && !is_ours) {
-    raw_ = transport_plugins->subscribe(topic, queue_size, callback, ros::VoidPtr(),
-                                        image_transport::TransportHints(transport));
+    try {
+      raw_ = transport_plugins->subscribe(topic, queue_size, callback, ros::VoidPtr(),
+                                          image_transport::TransportHints(transport));
+    } catch (const image_transport::Exception& e) {
+      throw ParameterError("image_transport or depth_transport '" + transport +
+                           "' is neither raw, compressed, compressedDepth nor a plugin that is "
+                           "installed: " +
+                           e.what());
+    }
     return;
   }
   const std::string compressed =

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 #include <vector>
 
 #include "edge_mcl/core/base/error.h"
@@ -152,8 +153,8 @@ CameraModel fromMessage(const sensor_msgs::CameraInfo& message, const std::strin
 }
 
 bool isRectifiedTopic(const std::string& topic) {
-  return topic.rfind("rect", 0) == 0 || topic.find("/rect") != std::string::npos ||
-         topic.find("_rect") != std::string::npos;
+  static const std::regex kRectified("(^|[/_])rect(ified)?($|[/_])");
+  return std::regex_search(topic, kRectified);
 }
 
 std::string frameName(const std::string& frame) {

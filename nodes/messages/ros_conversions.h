@@ -45,8 +45,8 @@ PoseGaussian fromMessage(const geometry_msgs::PoseWithCovariance& message,
 /// @throws InputError that lists every fault
 CameraModel fromMessage(const sensor_msgs::CameraInfo& message, const std::string& origin,
                         bool rectified = false);
-/// Whether a topic of images is one of rectified images by its name: a part of the name begins with
-/// "rect" or holds "_rect", as image_proc and drivers write it.
+/// Whether a topic of images is one of rectified images by its name: "rect" or "rectified" is a
+/// word of it, as in image_rect_color and rect/image.
 bool isRectifiedTopic(const std::string& topic);
 /// A frame without the slash at its beginning. tf1 wrote one, and tf2 refuses it.
 std::string frameName(const std::string& frame);

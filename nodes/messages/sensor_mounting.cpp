@@ -35,6 +35,18 @@ std::string onlyOpticalFrame(const tf2::BufferCore& transforms) {
   return found;
 }
 
+/// Frames of the same name in a namespace, for messages.
+std::string namesakes(const tf2::BufferCore& transforms, const std::string& frame) {
+  std::vector<std::string> frames;
+  transforms._getFrameStrings(frames);
+  std::string text;
+  const std::string end = "/" + frame;
+  for (const std::string& other : frames)
+    if (other.size() > end.size() && other.compare(other.size() - end.size(), end.size(), end) == 0)
+      text += (text.empty() ? " (but '" : ", '") + other + "'";
+  return text.empty() ? text : text + ")";
+}
+
 }  // namespace
 
 CameraMounting::CameraMounting(const std::string& base_frame, double patience)
@@ -57,26 +69,31 @@ Pose CameraMounting::of(const tf2::BufferCore& transforms, const std_msgs::Heade
     named.frame_id = frame_of_nameless_;
     if (!named.frame_id.empty() && !is_guess_told_)
       notes_.push_back("the images name no frame; '" + named.frame_id +
-                       "' is taken, the only optical frame in tf (camera_frame_id names another)");
+                       "' is taken, the only optical frame in tf (camera_frame_id, or --topics "
+                       "camera_frame=, names another)");
     is_guess_told_ = true;
   }
   if (named.frame_id.empty()) {
-    becomeBase("the images name no frame, and none is given (camera_frame_id)");
+    becomeBase(
+        "the images name no frame, and none is given (camera_frame_id, or --topics camera_frame=)");
     return Pose::Identity();
   }
   if (!asked_) asked_ = ros::WallTime::now();
   if (!transforms._frameExists(base_frame_) && ros::WallTime::now() - *asked_ >= patience_) {
-    becomeBase("tf does not know '" + base_frame_ + "'");
+    becomeBase("tf does not know '" + base_frame_ + "'" + namesakes(transforms, base_frame_));
     return Pose::Identity();
   }
   Pose T_base_camera = sensorMounting(transforms, base_frame_, named, origin);
   if (hasBodyAxes(T_base_camera) && !is_axis_told_) {
     is_axis_told_ = true;
-    notes_.push_back("frame '" + named.frame_id +
-                     "' seems to have x ahead and z up, but a camera needs an optical frame (z "
-                     "ahead, y down); publish one, e.g. static_transform_publisher 0 0 0 -0.5 0.5 "
-                     "-0.5 0.5 " +
-                     named.frame_id + " camera_optical, and name it as camera_frame_id");
+    notes_.push_back(
+        "frame '" + named.frame_id +
+        "' seems to have x ahead and z up, but a camera needs an optical frame (z "
+        "ahead, y down); publish one, e.g. static_transform_publisher 0 0 0 -0.5 0.5 "
+        "-0.5 0.5 " +
+        named.frame_id + " " + named.frame_id +
+        "_in_image_axes, and name it as the camera's frame (camera_frame_id, or --topics "
+        "camera_frame=)");
   }
   return T_base_camera;
 }

@@ -320,6 +320,77 @@ TEST_F(OtherBags, ACameraWithAClockOfItsOwnIsShifted) {
   EXPECT_TRUE(anyNote(content, "153.2 s ahead"));
 }
 
+/// A stale first image says nothing of the clock of the others.
+TEST_F(OtherBags, OneWrongStampIsNoOtherClock) {
+  for (const double offset : {-6.0, 9.0, 1000.0}) {
+    bool is_first = true;
+    const std::string file = changed("stale.bag", [&](const auto& m, rosbag::Bag* to) {
+      if (!changeIf<sensor_msgs::Image>(m, to, [&](sensor_msgs::Image* i) {
+            if (is_first) i->header.stamp += ros::Duration(offset);
+            is_first = false;
+          }))
+        keep(m, to);
+    });
+    const Content content = read({file});
+    EXPECT_FALSE(anyNote(content, "clock"));
+    EXPECT_NEAR(content.moments[1].time, kStart + 0.1, 1e-6);
+  }
+}
+
+TEST_F(OtherBags, AnImageThatCannotBeDecodedKeepsItsTime) {
+  int number = 0;
+  const std::string file = changed("broken.bag", [&](const auto& m, rosbag::Bag* to) {
+    const auto image = m.template instantiate<sensor_msgs::Image>();
+    if (!image) return keep(m, to);
+    sensor_msgs::CompressedImage compressed;
+    compressed.header = image->header;
+    compressed.format = "jpeg";
+    cv::imencode(".jpg", fromMessage(image, "test"), compressed.data);
+    if (number++ == 1) compressed.data.assign(50, 7);
+    // It is recorded late, as over a network.
+    to->write(m.getTopic() + "/compressed", m.getTime() + ros::Duration(0.3), compressed);
+  });
+  BagReader reader({file}, {});
+  LiveInput input;
+  std::string problem;
+  for (int i = 0; i < kImages; ++i) {
+    ASSERT_TRUE(reader.next(&input, &problem));
+    EXPECT_NEAR(input.time, kStart + 0.1 * i, 1e-6);
+    EXPECT_EQ(problem.empty(), i != 1) << problem;
+  }
+}
+
+TEST_F(OtherBags, TheFirstCalibrationThatCanBeUsedCounts) {
+  int number = 0;
+  const std::string file = changed("late.bag", [&](const auto& m, rosbag::Bag* to) {
+    if (!changeIf<sensor_msgs::CameraInfo>(m, to, [&](sensor_msgs::CameraInfo* info) {
+          if (number++ < 2) info->K.fill(0);
+        }))
+      keep(m, to);
+  });
+  expectPlain(read({file}));
+}
+
+TEST_F(OtherBags, RectifiedImagesHaveNoDistortionOfAFile) {
+  const std::string file = changed("rect_file.bag", [&](const auto& m, rosbag::Bag* to) {
+    if (m.getTopic() == kImageTopic)
+      return to->write("/camera/image_rect_color", m.getTime(),
+                       *m.template instantiate<sensor_msgs::Image>());
+    keep(m, to);
+  });
+  const Content content = read({file}, {}, camera());
+  EXPECT_EQ(content.moments[0].images[0].camera.distortion, DistortionModel::kNone);
+  EXPECT_TRUE(anyNote(content, "rectified=false"));
+}
+
+TEST(RectifiedTopics, RectIsAWordOfTheName) {
+  for (const char* topic : {"/camera/image_rect", "/cam/image_rect_color", "/rgb/rect/image",
+                            "/zed/rgb/image_rect_gray", "/left/rectified"})
+    EXPECT_TRUE(isRectifiedTopic(topic)) << topic;
+  for (const char* topic : {"/camera/image_raw", "/cam_rectangle/image_raw", "/direct/image"})
+    EXPECT_FALSE(isRectifiedTopic(topic)) << topic;
+}
+
 TEST_F(OtherBags, WhatIsNoClosedBagSaysWhatToDo) {
   std::ifstream in(path("plain.bag"), std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(in)), {});

@@ -117,6 +117,49 @@ TEST_F(ForeignFolder, PhotographsWhoseNamesAreTimes) {
   EXPECT_TRUE(sequence.warnings.empty());
 }
 
+/// Counters of ten digits (KITTI raw) and dates in one number are no times.
+TEST_F(ForeignFolder, CountersAndDatesAreNoTimes) {
+  calibration("camera.yaml");
+  for (const char* const name : {"0000000001.png", "20240101120000.png"}) {
+    picture(name);
+    EXPECT_EQ(read().warnings.size(), 1u) << name;
+    EXPECT_EQ(read().frames[0].time, 0) << name;
+    fs::remove(root_ / name);
+  }
+}
+
+TEST_F(ForeignFolder, InKittiAMissingImageMovesNoTime) {
+  for (const char* name : {"000000.png", "000002.png"}) picture(std::string("image_0/") + name);
+  write("times.txt", "0.0\n0.1\n0.2\n");
+  write("calib.txt", "P0: 30 0 20 0 0 31 15 0 0 0 1 0\n");
+  EXPECT_NEAR(read().frames[1].time, 0.2, 1e-9);
+  write("times.txt", "0.0\n0.1\nnan\n");
+  EXPECT_NE(errorOf().find("times.txt:3"), std::string::npos) << errorOf();
+}
+
+/// The marker of the motion capture is 0.3 m above the body.
+TEST_F(ForeignFolder, TheTruthOfAMarkerIsMovedToTheCamera) {
+  const std::string mounting = "T_BS:\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, ";
+  write("mav0/cam0/data.csv", "#timestamp [ns],filename\n1403636579763555584,a.png\n");
+  const std::string camera =
+      "resolution: [40, 30]\ncamera_model: pinhole\nintrinsics: [30, 30, 20, 15]\n"
+      "distortion_model: none\ndistortion_coefficients: []\n";
+  write("mav0/cam0/sensor.yaml", mounting + "0.1, 0, 0, 0, 1]\n" + camera);
+  write("mav0/vicon0/sensor.yaml", mounting + "0.3, 0, 0, 0, 1]\n");
+  write(
+      "mav0/vicon0/data.csv",
+      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z []\n1403636579763555584,1,2,3,1,0,0,0\n");
+  EXPECT_TRUE(read().frames[0].ground_truth->translation().isApprox(Eigen::Vector3d(1, 2, 2.8)));
+  write("mav0/cam0/sensor.yaml",
+        "T_BS:\n  data: [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1]\n" + camera);
+  EXPECT_NE(errorOf().find("T_BS"), std::string::npos) << errorOf();
+}
+
+TEST_F(ForeignFolder, AFolderOfNoKindSaysWhatIsKnown) {
+  EXPECT_NE(errorOf().find("KITTI"), std::string::npos) << errorOf();
+}
+
 TEST_F(ForeignFolder, BagsOfRos2AreNamed) {
   write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 5\n");
   EXPECT_NE(errorOf().find("rosbags-convert"), std::string::npos) << errorOf();
@@ -137,7 +180,15 @@ TEST_F(ForeignFolder, ATableWithoutNamesIsRefused) {
             std::string::npos);
   write("truth.csv", "time,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0.6,0.8\n");
   EXPECT_NEAR(logSo3(readTrajectory(file)[0].pose.linear()).z(), 2 * std::asin(0.6), 1e-9);
-  write("truth.csv", "time,x,y,z,qw,qx,qy,qz\n1,0,0,0,0.8,0,0,0.6\n");
+  for (const char* const head :
+       {"time,x,y,z,qw,qx,qy,qz", "# made by a tool\n#timestamp tx ty tz q_w q_x q_y q_z",
+        "# now\n# time x y z w x y z",
+        "#t,p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x []"}) {
+    write("truth.csv", std::string(head) + "\n1,0,0,0,0.8,0,0,0.6\n");
+    EXPECT_NEAR(logSo3(readTrajectory(file)[0].pose.linear()).z(), 2 * std::asin(0.6), 1e-9)
+        << head;
+  }
+  write("truth.csv", "# made by a tool\n# timestamp tx ty tz qx qy qz qw\n1 0 0 0 0 0 0.6 0.8\n");
   EXPECT_NEAR(logSo3(readTrajectory(file)[0].pose.linear()).z(), 2 * std::asin(0.6), 1e-9);
 }
 

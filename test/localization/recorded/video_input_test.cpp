@@ -48,6 +48,21 @@ TEST(VideoInput, AnotherSizeThanThatOfTheCalibrationIsTold) {
   EXPECT_NE(problem.find("160x120"), std::string::npos) << problem;
 }
 
+TEST(VideoInput, ACutVideoIsTold) {
+  const std::string file = writeVideo({320, 240}, 30, 20);
+  VideoInput whole(file, test::pinhole(320, 240, 220));
+  LiveInput input;
+  std::string problem;
+  while (whole.next(&input, &problem)) continue;
+  EXPECT_EQ(whole.damage(), "");
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  VideoInput cut(file, test::pinhole(320, 240, 220));
+  size_t count = 0;
+  while (cut.next(&input, &problem)) ++count;
+  // Decoders that count the images themselves see no damage.
+  EXPECT_EQ(cut.imageCount() > count + 1, cut.damage().find("cut off") != std::string::npos);
+}
+
 TEST(VideoInput, WhatIsNoVideoIsRefused) {
   const std::string file = testing::TempDir() + "no_video.mp4";
   std::ofstream(file) << "no video";
