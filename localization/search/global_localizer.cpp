@@ -37,13 +37,6 @@ void addVariance(const PoseTolerance& sigma, PoseGaussian* pose) {
   pose->covariance.diagonal().tail<3>().array() += sigma.angle * sigma.angle;
 }
 
-/// Where the camera may be when the base is near a guess.
-SearchRegion regionOf(const PoseGaussian& guess) {
-  constexpr double kSigmas = 3, kMounting = 0.5;  // m from the base to a camera
-  const double sigma = std::sqrt(guess.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  return {guess.mean.translation(), kSigmas * sigma + kMounting};
-}
-
 }  // namespace
 
 GlobalLocalizer::GlobalLocalizer(const LocalizationMap& map, uint64_t seed)
@@ -172,7 +165,7 @@ std::vector<Pose> GlobalLocalizer::candidates() {
   };
   add(alongWhatWasOpen());
   if (only_guess_) {
-    add(search_.lookedUp(views, up_, regionOf(*guess_)));
+    add(search_.lookedUp(views, up_, SearchRegion::around(*guess_)));
     return found;
   }
   add(whereItLooksAlike());

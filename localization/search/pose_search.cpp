@@ -99,6 +99,12 @@ std::function<bool(const Eigen::Vector3d&)> filterOf(const std::optional<SearchR
 
 }  // namespace
 
+SearchRegion SearchRegion::around(const PoseGaussian& guess) {
+  constexpr double kSigmas = 3, kMounting = 0.5;  // m from the base to a camera
+  const double sigma = std::sqrt(guess.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+  return {guess.mean.translation(), kSigmas * sigma + kMounting};
+}
+
 PoseSearch::PoseSearch(const LocalizationMap& map)
     : map_(map),
       small_thinning_(SearchPlaces::thinningFor(map.edges())),

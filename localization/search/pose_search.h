@@ -20,6 +20,9 @@ namespace edge_mcl {
 struct SearchRegion {
   Eigen::Vector3d centre;  ///< map frame, m
   double radius = 0;       ///< m
+
+  /// Where the camera may be when the base is near a guess.
+  static SearchRegion around(const PoseGaussian& guess);
 };
 
 /// One step of the global search: from images to a list of poses, without memory between images.
