@@ -9,6 +9,7 @@
 #include <cctype>
 #include <fstream>
 #include <sstream>
+#include <type_traits>
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/base/parameter_struct.h"
@@ -89,12 +90,20 @@ void CEdgeMap::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out) 
       << params.toYaml();
 }
 
-mrpt::maps::CMetricMap* CEdgeMap::internal_CreateFromMapDefinition(
+namespace {
+
+/// A plain pointer in MRPT 2.5 (Debian 12), a shared one in MRPT 2.14 (Debian 13).
+using CreatedMap = std::invoke_result_t<decltype(&CEdgeMap::internal_CreateFromMapDefinition),
+                                        const mrpt::maps::TMetricMapInitializer&>;
+
+}  // namespace
+
+CreatedMap CEdgeMap::internal_CreateFromMapDefinition(
     const mrpt::maps::TMetricMapInitializer& definition) {
   const auto& d = dynamic_cast<const CEdgeMap::TMapDefinition&>(definition);
   auto map = std::make_unique<CEdgeMap>(d.model_file, d.params);
   map->useCamera(d.camera_file);
-  return map.release();
+  return CreatedMap(map.release());
 }
 
 // ---- Serialization. The archive holds file names and parameters. The model itself stays on disk.
