@@ -1,8 +1,8 @@
 #include "edge_mcl/nodes/localizer/localizer_node.h"
 
 #include <ros/console.h>
-#include <chrono>
 
+#include <chrono>
 #include <cmath>
 
 #include "edge_mcl/core/base/error.h"
