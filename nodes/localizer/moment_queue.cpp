@@ -81,6 +81,8 @@ void MomentQueue::subscribe(ros::NodeHandle nh, size_t i) {
                                         receiveDepth(i, withStamp(m));
                                       }));
   }
+  camera.is_rectified = params_.isRectified(camera.image_subscriber.topic());
+  camera.is_depth_rectified = isRectifiedTopic(camera.depth_subscriber.topic());
   if (params_.use_masks)
     camera.mask_subscriber.subscribe(nh, &transport_, prefix + "mask", 5, "raw",
                                      Callback([this, i](const sensor_msgs::ImageConstPtr& mask) {
@@ -146,8 +148,8 @@ std::optional<Moment> MomentQueue::next() {
     moment.cameras[i].info = camera.info;
     moment.cameras[i].depth_info = camera.depth_info;
     moment.cameras[i].frame = camera.frame;
-    moment.cameras[i].is_rectified = params_.isRectified(camera.image_subscriber.topic());
-    moment.cameras[i].is_depth_rectified = isRectifiedTopic(camera.depth_subscriber.topic());
+    moment.cameras[i].is_rectified = camera.is_rectified;
+    moment.cameras[i].is_depth_rectified = camera.is_depth_rectified;
     moment.dropped += static_cast<uint32_t>(camera.matcher.dropped());
   }
   moment.received = images_received_;

@@ -58,6 +58,7 @@ class MomentQueue {
   struct Camera {
     Camera(bool use_masks, double mask_timeout) : matcher(use_masks, mask_timeout) {}
     std::string name, origin, frame;
+    bool is_rectified = false, is_depth_rectified = false;  // by their topics
     ImageSubscriber image_subscriber, mask_subscriber, depth_subscriber;
     ros::Subscriber info_subscriber, depth_info_subscriber;
     sensor_msgs::CameraInfoConstPtr info, depth_info;
