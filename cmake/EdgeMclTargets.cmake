@@ -41,7 +41,8 @@ function(edge_mcl_library target room)
   set_target_properties(${target} PROPERTIES
     VERSION ${PROJECT_VERSION} SOVERSION 0 INSTALL_RPATH "$ORIGIN")
   install(TARGETS ${target} EXPORT edge_mclTargets
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
   # A header whose first line says "Internal." is not installed.
   file(GLOB_RECURSE headers RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}" CONFIGURE_DEPENDS "*.h")
   foreach(header ${headers})
@@ -49,7 +50,7 @@ function(edge_mcl_library target room)
     if(NOT first_line MATCHES "Internal\\.")
       get_filename_component(folder "${header}" DIRECTORY)
       install(FILES "${header}"
-        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/edge_mcl/${room}/${folder}")
+        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/edge_mcl/${room}/${folder}" COMPONENT dev)
     endif()
   endforeach()
 endfunction()

@@ -21,7 +21,7 @@ namespace edge_mcl {
 namespace {
 
 struct LocalizeOptions : RecordingOptions {
-  std::string out = "est.txt", stats, overlay, plot;
+  std::string out = "est.txt", stats, overlay, plot, masks_out;
   bool json = false;
 };
 
@@ -44,6 +44,32 @@ void writeOverlay(const LocalizeOptions& o, const RecordedLocalizer& localizer,
                drawOverlay(localizer.localizer().map(), *r.images.front(), T_map_camera));
 }
 
+/// Writes the masks that were used, in the form that `--masks` reads.
+class MaskWriter {
+ public:
+  /// @param folder empty: nothing is written
+  explicit MaskWriter(const std::string& folder) : folder_(folder) {
+    if (folder.empty()) return;
+    makeDirectory(folder + "/mask");
+    list_.open(folder + "/mask.txt");
+    list_ << "# masks used by edge-mcl localize, with their margin: timestamp filename"
+          << std::endl;
+    if (!list_) throw InputError(folder + "/mask.txt: cannot be written");
+  }
+  void write(const LiveResult& result, const std::string& time_text) {
+    if (folder_.empty() || result.images.empty()) return;
+    const EdgeImage& edges = result.images.front()->edges;
+    const cv::Mat mask =
+        edges.ignore.empty() ? cv::Mat::zeros(edges.grey.size(), CV_8U) : edges.ignore;
+    writePicture(folder_ + "/mask/" + time_text + ".png", mask);
+    list_ << time_text << " mask/" << time_text << ".png" << std::endl;
+  }
+
+ private:
+  const std::string folder_;
+  std::ofstream list_;
+};
+
 /// Localizes every moment. Each pose is written at once, so that an interrupted run keeps what it
 /// has computed.
 void localizeAll(const LocalizeOptions& o, const OpenedRecording& opened,
@@ -53,6 +79,7 @@ void localizeAll(const LocalizeOptions& o, const OpenedRecording& opened,
   out << "# " << opened.trajectory_pose
       << " by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
   if (!o.overlay.empty()) makeDirectory(o.overlay);
+  MaskWriter masks(o.masks_out);
   std::string last_problem;
   ProgressBar bar(opened.name, localizer->recording().imageCount());
   while (localizer->next()) {
@@ -72,6 +99,7 @@ void localizeAll(const LocalizeOptions& o, const OpenedRecording& opened,
     }
     if (!out) throw InputError(o.out + ": cannot be written (disk full?)");
     writeOverlay(o, *localizer, time_text);
+    masks.write(r, time_text);
   }
 }
 
@@ -115,6 +143,8 @@ void addLocalize(CLI::App* app, Action* action) {
   c->add_option("--stats", o->stats, "JSON file with states, times and covariance per image");
   c->add_option("--overlay", o->overlay,
                 "directory for pictures: model edges green, image edges blue, normals red");
+  c->add_option("--masks-out", o->masks_out,
+                "directory for mask.txt and the folder mask/: the masks that were used");
   c->add_option("--plot", o->plot, "picture of the trajectory");
   c->add_flag("--json", o->json, "print the summary as JSON");
   c->callback([o, action] { *action = [o] { return run(*o); }; });

@@ -68,9 +68,11 @@ void RecordingOptions::addTo(CLI::App* c) {
               "use the depth images as well: sets likelihood.cues to both, unless it is depth");
   CLI::Option* without_masks = c->add_flag(
       "--no-mask", no_mask, "use no masks; default: the masks of the recording are used");
-  c->add_option("--masks", masks,
-                "directory with mask.txt (see `edge-mcl detect --out`), used in place of the "
-                "recording's masks; only for a sequence directory")
+  c->add_option(
+       "--masks", masks,
+       "in place of the recording's masks: a directory with mask.txt (see `edge-mcl detect "
+       "--out`; only for a sequence directory), or depth: what the depth images show in "
+       "front of the model is masked (tracking.mask_by_depth)")
       ->excludes(without_masks);
   parameters.addTo(c);
 }
@@ -112,6 +114,7 @@ RecordingKind kindOf(const std::string& recording) {
 
 Parameters parametersOf(const RecordingOptions& options) {
   Parameters params = options.parameters.load();
+  if (options.masksAreOfDepth()) params.tracking.mask_by_depth = true;
   if (options.depth && params.likelihood.cues == Cues::kEdges) params.likelihood.cues = Cues::kBoth;
   return params;
 }
@@ -138,8 +141,8 @@ void checkOptions(const RecordingOptions& o, RecordingKind kind) {
     if (o.parts.size() > 1)
       throw ParameterError(o.parts[1] + ": only a bag can have several parts");
   }
-  if (kind != RecordingKind::kDirectory && !o.masks.empty())
-    throw ParameterError("--masks needs a sequence directory");
+  if (kind != RecordingKind::kDirectory && !o.masks.empty() && !o.masksAreOfDepth())
+    throw ParameterError("--masks " + o.masks + " needs a sequence directory");
 }
 
 std::optional<CameraModel> givenCamera(const RecordingOptions& o) {
@@ -177,7 +180,7 @@ BagTopics parseTopics(const RecordingOptions& o) {
   if (topics.rectified != "auto" && topics.rectified != "true" && topics.rectified != "false")
     throw ParameterError("--topics rectified=" + topics.rectified +
                          ": must be auto, true or false");
-  if (o.no_mask) topics.mask.clear();
+  if (!o.usesOwnMasks()) topics.mask.clear();
   return topics;
 }
 #endif
@@ -215,25 +218,26 @@ PoseGaussian initialPose(const RecordingOptions& o, const std::optional<PoseGaus
 void openDirectory(const RecordingOptions& o, const Parameters& params, bool everything,
                    OpenedRecording* opened) {
   Sequence sequence = readSequence(o.recording, o.camera);
-  if (!o.masks.empty()) useMasks(o.masks, &sequence);
+  if (!o.masks.empty() && !o.masksAreOfDepth()) useMasks(o.masks, &sequence);
   for (const std::string& w : sequence.warnings) std::fprintf(stderr, "warning: %s\n", w.c_str());
   opened->name = sequence.name;
   opened->trajectory_pose = "T_map_camera";
   if (opened->model_file.empty()) opened->model_file = sequence.model_file;
   if (opened->model_file.empty())
     throw InputError(o.recording + ": the directory has no model.obj; name the model with --model");
-  if (params.likelihood.cues != Cues::kEdges && sequence.depths.empty())
+  const bool needs_depth = neededImages(params) != Cues::kEdges;
+  if (needs_depth && sequence.depths.empty())
     throw InputError(o.recording + ": depth asked for, but the directory has no depth.txt");
-  const SequenceParts parts{everything || params.likelihood.cues != Cues::kDepth, !o.no_mask,
-                            everything || params.likelihood.cues != Cues::kEdges};
+  const SequenceParts parts{everything || params.likelihood.cues != Cues::kDepth, o.usesOwnMasks(),
+                            everything || needs_depth};
   opened->input = std::make_unique<SequenceInput>(std::move(sequence), parts);
 }
 
 std::unique_ptr<RecordedInput> openRawlog(const RecordingOptions& o, const Parameters& params,
                                           bool everything) {
-  const bool needs_depth = params.likelihood.cues != Cues::kEdges;
-  auto rawlog = std::make_unique<RawlogInput>(o.recording, !o.no_mask, everything || needs_depth,
-                                              givenCamera(o));
+  const bool needs_depth = neededImages(params) != Cues::kEdges;
+  auto rawlog = std::make_unique<RawlogInput>(o.recording, o.usesOwnMasks(),
+                                              everything || needs_depth, givenCamera(o));
   if (needs_depth && rawlog->rangeCount() == 0)
     throw InputError(o.recording + ": depth asked for, but the rawlog has no range images");
   return rawlog;
@@ -242,7 +246,7 @@ std::unique_ptr<RecordedInput> openRawlog(const RecordingOptions& o, const Param
 std::unique_ptr<RecordedInput> openBag(const RecordingOptions& o, const Parameters& params,
                                        bool everything) {
 #ifdef EDGE_MCL_HAS_ROS
-  const bool needs_depth = params.likelihood.cues != Cues::kEdges;
+  const bool needs_depth = neededImages(params) != Cues::kEdges;
   BagTopics topics = parseTopics(o);
   if (!everything && !needs_depth) topics.depth.clear();
   auto bag = std::make_unique<BagReader>(o.parts.empty() ? std::vector{o.recording} : o.parts,
@@ -259,7 +263,7 @@ std::unique_ptr<RecordedInput> openBag(const RecordingOptions& o, const Paramete
 }
 
 std::unique_ptr<RecordedInput> openVideo(const RecordingOptions& o, const Parameters& params) {
-  if (params.likelihood.cues != Cues::kEdges)
+  if (neededImages(params) != Cues::kEdges)
     throw InputError(o.recording + ": depth asked for, but a video has no depth");
   const auto camera = givenCamera(o);
   if (!camera)

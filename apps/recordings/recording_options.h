@@ -23,6 +23,10 @@ struct RecordingOptions {
   bool no_mask = false, depth = false, global = false;
   ParameterOptions parameters;
 
+  bool masksAreOfDepth() const { return masks == "depth"; }
+  /// Whether the masks of the recording itself are used.
+  bool usesOwnMasks() const { return !no_mask && !masksAreOfDepth(); }
+
   /// Adds the options to a subcommand.
   void addTo(CLI::App* command);
 };
@@ -38,7 +42,8 @@ RecordingKind kindOf(const std::string& recording);
 /// @throws ParameterError
 std::optional<Eigen::Vector3d> parseUp(const std::string& text);
 
-/// Parameters of the method. With `--depth`, likelihood.cues changes from edges to both.
+/// Parameters of the method. With `--depth`, likelihood.cues changes from edges to both. With
+/// `--masks depth`, tracking.mask_by_depth is set.
 /// @throws ParameterError, InputError
 Parameters parametersOf(const RecordingOptions& options);
 

@@ -92,6 +92,8 @@ struct TrackingParameters {
   int min_edge_pixels = 100;
   double max_masked_share = 0.8;
   bool lift_mask = true;
+  bool mask_by_depth = false;
+  double mask_by_depth_from = 0.1;
   double min_probability = 0.8;
   double keep_probability = 0.5;
   double lost_probability = 0.4;
@@ -118,6 +120,11 @@ struct TrackingParameters {
       "an image with a larger share of its pixels masked is not used");
     v("lift_mask", lift_mask, "", anyValue(),
       "while tracking, the mask is removed along model edges that the images show under it");
+    v("mask_by_depth", mask_by_depth, "", anyValue(),
+      "while tracking, what a depth camera sees in front of the model is masked in the images");
+    v("mask_by_depth_from", mask_by_depth_from, "m", positive(),
+      "smallest distance of such a thing from the model; depth noise and the uncertainty of the "
+      "pose are added");
     v("min_probability", min_probability, "", from(0, 1),
       "a pose is trusted when the probability that it is within 0.25 m and 5 degrees is at least "
       "this");
@@ -164,6 +171,7 @@ struct SearchParameters {
   double keyframe_distance = 0.08;
   double keyframe_angle_deg = 4;
   double keyframe_period = 0.5;
+  double glance_period = 0.1;
   int window = 10;
   int min_keyframes = 3;
   double line_correlation = 0.1;
@@ -213,7 +221,10 @@ struct SearchParameters {
     v("keyframe_angle_deg", keyframe_angle_deg, "deg", notNegative(),
       "an image becomes a keyframe after this much rotation, or the motion keyframe_distance");
     v("keyframe_period", keyframe_period, "s", notNegative(),
-      "without odometry an image becomes a keyframe after this time");
+      "without odometry an image becomes a keyframe after this time at the latest");
+    v("glance_period", glance_period, "s", notNegative(),
+      "without odometry hypotheses are followed through an image after this time; it becomes a "
+      "keyframe when most of them have moved as far as keyframe_distance or keyframe_angle_deg");
     v("window", window, "", from(2, 1000),
       "number of the newest keyframes by which hypotheses are judged");
     v("min_keyframes", min_keyframes, "", atLeast(1),

@@ -8,9 +8,7 @@
 
 namespace edge_mcl {
 
-namespace {
-
-void check(const DepthImage& image) {
+void checkDepth(const DepthImage& image) {
   const auto sizeOf = [](int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
   };
@@ -35,6 +33,8 @@ double metresAt(const DepthImage& image, int x, int y) {
   return std::isfinite(metres) ? metres : 0;
 }
 
+namespace {
+
 bool isIgnored(const DepthImage& image, const Eigen::Vector3d& point) {
   if (!image.mask || image.mask->pixels.empty()) return false;
   Eigen::Vector2d pixel;
@@ -48,7 +48,7 @@ bool isIgnored(const DepthImage& image, const Eigen::Vector3d& point) {
 }  // namespace
 
 DepthPoints makeDepthPoints(const DepthImage& image, const DepthParameters& params) {
-  check(image);
+  checkDepth(image);
   const CameraModel& camera = image.camera;
   // Four times as many pixels as wanted are examined, because some have no depth.
   const double area = static_cast<double>(camera.width) * camera.height;

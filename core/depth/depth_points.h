@@ -33,6 +33,11 @@ struct DepthImage {
   std::optional<Mask> mask;
 };
 
+/// @throws InputError when the type or size of depth image or mask is wrong.
+void checkDepth(const DepthImage& image);
+/// Depth of a pixel, m; 0: no return.
+double metresAt(const DepthImage& image, int x, int y);
+
 /// Points of a thinned-out depth image, in the depth camera's optical frame, metres. Every
 /// coordinate is an array of its own for the vector unit. The arrays are padded to a multiple of
 /// kPadding with points of no weight.

@@ -97,6 +97,8 @@ class Visibility {
   double cellSize() const { return cell_size_; }
   /// A surface closer than this to a sample does not hide it, metres.
   double occlusionTolerance() const { return tolerance_; }
+  /// The faces of the model in the ray caster; null: it has none.
+  const RayScene* scene() const { return scene_.get(); }
   const EdgeModel& model() const { return model_; }
 
   /// Calls of cached() that found or missed a cell, cells dropped, and cells and bytes in the cache

@@ -1,5 +1,8 @@
 #include "edge_mcl/core/mesh/ray_mesh.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/mesh/embree.h"
 
@@ -75,6 +78,37 @@ std::optional<RayHit> firstHit(RTCSceneTy* scene, const Eigen::Vector3f& from,
   embree::intersect1(scene, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return RayHit{ray.hit.primID, ray.ray.tfar, ray.hit.u, ray.hit.v};
+}
+
+void firstHits(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f* directions,
+               size_t count, float* along) {
+  constexpr size_t kPacket = 16;
+  for (size_t first = 0; first < count; first += kPacket) {
+    RTCRayHit16 rays{};
+    alignas(64) int valid[kPacket] = {};
+    const size_t end = std::min(count, first + kPacket);
+    for (size_t i = first; i < end; ++i) {
+      const Eigen::Vector3f& direction = directions[i];
+      const size_t k = i - first;
+      if (!direction.allFinite()) continue;
+      valid[k] = -1;
+      rays.ray.org_x[k] = from.x();
+      rays.ray.org_y[k] = from.y();
+      rays.ray.org_z[k] = from.z();
+      rays.ray.dir_x[k] = direction.x();
+      rays.ray.dir_y[k] = direction.y();
+      rays.ray.dir_z[k] = direction.z();
+      rays.ray.tfar[k] = std::numeric_limits<float>::infinity();
+      rays.ray.mask[k] = 0xffffffffu;
+      rays.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    embree::intersect16(valid, scene, &rays);
+    for (size_t i = first; i < end; ++i) {
+      const size_t k = i - first;
+      const bool is_hit = valid[k] && rays.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+      along[i] = is_hit ? rays.ray.tfar[k] : std::numeric_limits<float>::infinity();
+    }
+  }
 }
 
 bool isBlocked(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f& to,

@@ -50,6 +50,12 @@ struct RayHit {
 std::optional<RayHit> firstHit(RTCSceneTy* scene, const Eigen::Vector3f& from,
                                const Eigen::Vector3f& direction, float begin, float end);
 
+/// First surfaces on rays that start at one point and lie side by side.
+/// @param directions, count as for firstHit(); a direction that is not finite meets nothing.
+/// @param along of each ray, in lengths of its direction; infinite where it meets no surface.
+void firstHits(RTCSceneTy* scene, const Eigen::Vector3f& from, const Eigen::Vector3f* directions,
+               size_t count, float* along);
+
 /// Whether a surface lies between two points (map frame, metres).
 /// @param margin share of the way that is ignored at its start.
 /// @param end_margin share of the way that is ignored at its end.

@@ -79,6 +79,10 @@ class PoseFilter {
   /// @throws InputError when dt is negative or not finite.
   void predictWithoutOdometry(double dt, std::optional<double> elapsed = std::nullopt);
 
+  /// Sets the velocity of the base, for predictions without odometry. initialize() and
+  /// setParticles() set it to 0. @param velocity base frame, m/s and rad/s.
+  void setVelocity(const Twist& velocity) { velocity_ = velocity; }
+
   /// Corrects particles and estimate by a reading of roll and pitch. @return false when the reading
   /// contradicts the particles. It is then left out. @throws InputError when the vector is not
   /// finite or shorter than 0.5, or sigma is not positive.

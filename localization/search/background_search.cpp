@@ -61,17 +61,33 @@ void BackgroundSearch::move(const BaseMotion& motion) {
   since_view_.add(motion);
 }
 
+void BackgroundSearch::dropOne() {
+  // Odometry bridges any gap, so the oldest image goes. Without it the gaps must stay small.
+  size_t dropped = 0;
+  if (since_view_.blind > 0) {
+    double smallest = INFINITY;
+    for (size_t i = 0; i + 1 < waiting_.size(); ++i) {
+      const double gap = waiting_[i].before.elapsed + waiting_[i + 1].before.elapsed;
+      if (gap < smallest) dropped = i;
+      smallest = std::min(smallest, gap);
+    }
+  }
+  BaseMotion both = waiting_[dropped].before;
+  both.add(waiting_[dropped + 1].before);
+  waiting_[dropped + 1].before = both;
+  waiting_.erase(waiting_.begin() + static_cast<long>(dropped));
+}
+
 void BackgroundSearch::offer(const std::vector<CameraView>& views,
                              const std::optional<UpReading>& up) {
-  if (has_view_ && !since_view_.isKeyframe(map_.params().search)) return;
-  // When the queue is full, the oldest keyframe is dropped. Those that remain are closer together
-  // than if only the newest keyframe waited.
-  constexpr size_t kMostWaiting = 3;
-  if (waiting_.size() >= kMostWaiting) {
-    BaseMotion both = waiting_[0].before;
-    both.add(waiting_[1].before);
-    waiting_[1].before = both;
-    waiting_.pop_front();
+  const SearchParameters& p = map_.params().search;
+  if (has_view_ && !since_view_.isKeyframe(p) && !since_view_.isGlance(p)) return;
+  // When the queue is full, one image is dropped. Those that remain are closer together than if
+  // only the newest one waited. Without odometry the images alone tell the motion, so the images of
+  // one search, about a second, may wait.
+  constexpr size_t kMostWaiting = 3, kMostGlances = 12;
+  if (waiting_.size() >= (since_view_.blind > 0 ? kMostGlances : kMostWaiting)) {
+    dropOne();
   }
   waiting_.push_back({since_view_, views, up, since_begin_});
   since_view_ = {};
@@ -94,21 +110,43 @@ SearchReport BackgroundSearch::process(const std::vector<CameraView>& views,
 }
 
 SearchReport BackgroundSearch::carriedToNow(const Report& then) const {
-  const Pose motion = then.since_begin.step.inverse() * since_begin_.step;
+  Pose motion = then.since_begin.step.inverse() * since_begin_.step;
+  // Without odometry, motion goes on as it was. After a longer time it may be anything.
+  constexpr double kSteady = 0.5;  // s
+  const double blind = since_begin_.blind - then.since_begin.blind;
+  if (then.report.velocity && blind > 0)
+    motion = motion * expSe3(*then.report.velocity * std::min(blind, kSteady));
   const Vector6 variance = since_begin_.variance - then.since_begin.variance;
   SearchReport now = then.report;
   const Vector6 sigma = variance.cwiseMax(0).cwiseSqrt();
-  now.stale =
-      then.over_gap || isFarByOdometry(variance, since_begin_.blind - then.since_begin.blind);
+  now.stale = then.over_gap || isFarByOdometry(variance, blind);
   now.estimate = moved(now.estimate, motion, sigma);
   for (PoseCluster& cluster : now.clusters) cluster.pose = normalized(cluster.pose * motion);
   return now;
 }
 
+void BackgroundSearch::prepare(std::optional<GlobalLocalizer>* search) {
+  struct Stopped {};
+  try {
+    search->emplace(map_, seed_);
+    (*search)->prepareLookup([this](double) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (stop_) throw Stopped();
+    });
+  } catch (const Stopped&) {
+  } catch (const std::exception&) {
+    // The first search meets the same fault and reports it.
+  }
+}
+
 void BackgroundSearch::run() {
   std::optional<GlobalLocalizer> search;  // made in this thread, because that takes a while
   tbb::task_arena arena(std::max(1, tbb::info::default_concurrency() / 2));
+  arena.execute([&] { prepare(&search); });
   bool over_gap = false;
+  // Without odometry nothing carries a result to the present but the images that wait. So a pose
+  // that was found is followed through them before it is told.
+  bool catches_up = false, has_news = false;
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     wake_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
@@ -116,8 +154,13 @@ void BackgroundSearch::run() {
     const std::optional<Begin> begin = std::exchange(begin_, std::nullopt);
     const View view = std::move(waiting_.front());
     waiting_.pop_front();
-    const bool is_newest = waiting_.empty();
-    over_gap = !begin && (over_gap || isFarByOdometry(view.before.variance, view.before.blind));
+    const bool is_newest = waiting_.empty(), is_blind = view.before.blind > 0;
+    if (begin) catches_up = has_news = false;
+    const bool is_look = is_newest && !catches_up;
+    // A pose that was followed by images alone may have slipped to a neighbour that looks alike.
+    const bool is_gap =
+        isFarByOdometry(view.before.variance, view.before.blind) || (is_blind && !is_look);
+    over_gap = !begin && (over_gap || is_gap);
     lock.unlock();
     SearchReport report;
     std::exception_ptr failure;
@@ -129,7 +172,7 @@ void BackgroundSearch::run() {
         else if (begin)
           search->begin();
         search->move(view.before);
-        report = search->process(view.views, view.up, is_newest);
+        report = search->process(view.views, view.up, is_look);
       });
     } catch (...) {
       failure = std::current_exception();
@@ -137,9 +180,13 @@ void BackgroundSearch::run() {
     lock.lock();
     if (begin_) continue;  // begin() was called meanwhile, so this result is outdated
     failure_ = failure;
-    if (failure || !report.keyframe) continue;
+    if (failure || !(report.keyframe || is_blind)) continue;
+    has_news = has_news || report.keyframe;
+    catches_up = is_blind && report.converged && !waiting_.empty();
     reported_ = {std::move(report), view.since_begin, over_gap};
+    if (catches_up || !has_news) continue;
     is_news_ = true;
+    has_news = false;
   }
 }
 

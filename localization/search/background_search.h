@@ -5,12 +5,15 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "edge_mcl/localization/search/pose_finder.h"
 
 namespace edge_mcl {
+
+class GlobalLocalizer;
 
 /// A PoseFinder that runs a GlobalLocalizer in a thread of its own.
 ///
@@ -23,7 +26,8 @@ namespace edge_mcl {
 /// machine.
 class BackgroundSearch : public PoseFinder {
  public:
-  /// Starts the thread. @param map must outlive this object. @param seed of the random generator.
+  /// Starts the thread, which prepares the places of the map before the first search. @param map
+  /// must outlive this object. @param seed of the random generator.
   BackgroundSearch(const LocalizationMap& map, uint64_t seed);
   /// Ends the thread after the keyframe that it is working on.
   ~BackgroundSearch() override;
@@ -56,11 +60,15 @@ class BackgroundSearch : public PoseFinder {
   };
 
   void beginWith(Begin begin);
+  /// Drops an image that waits.
+  void dropOne();
   /// Puts the images into the queue if they make a keyframe.
   void offer(const std::vector<CameraView>& views, const std::optional<UpReading>& up);
   /// The report with its poses carried to the present by odometry.
   SearchReport carriedToNow(const Report& then) const;
   void run();
+  /// Makes the search and the places of the map, unless the thread has to end.
+  void prepare(std::optional<GlobalLocalizer>* search);
 
   const LocalizationMap& map_;
   const uint64_t seed_;

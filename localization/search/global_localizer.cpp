@@ -9,7 +9,6 @@
 
 #include "edge_mcl/localization/filter/motion_noise.h"
 #include "edge_mcl/localization/search/jump_cost.h"
-#include "edge_mcl/localization/search/ranked_poses.h"
 
 namespace edge_mcl {
 
@@ -32,11 +31,6 @@ std::optional<UpReading> tiltOf(const PoseGaussian& lost) {
   return up;
 }
 
-void addVariance(const PoseTolerance& sigma, PoseGaussian* pose) {
-  pose->covariance.diagonal().head<3>().array() += sigma.position * sigma.position;
-  pose->covariance.diagonal().tail<3>().array() += sigma.angle * sigma.angle;
-}
-
 }  // namespace
 
 GlobalLocalizer::GlobalLocalizer(const LocalizationMap& map, uint64_t seed)
@@ -50,7 +44,7 @@ void GlobalLocalizer::begin() {
   only_guess_ = false;
   up_.reset();
   tilt_is_assumed_ = false;
-  since_ = {};
+  since_ = since_look_ = {};
   report_ = {};
 }
 
@@ -64,6 +58,7 @@ void GlobalLocalizer::begin(const PoseGaussian& guess, bool only_there) {
 
 void GlobalLocalizer::move(const BaseMotion& motion) {
   since_.add(motion);
+  since_look_.add(motion);
   const Vector6 sigma = motion.variance.cwiseSqrt();
   if (up_) {
     up_->up_base = motion.step.linear().transpose() * up_->up_base;
@@ -90,24 +85,13 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
     up_ = up;
     tilt_is_assumed_ = false;
   }
-  report_.keyframe = false;
-  report_.total_ms = 0;
-  if (!keyframes_.empty() && !since_.isKeyframe(map_.params().search)) {
-    report_.estimate.mean =
-        hypotheses_.empty() ? Pose::Identity() : normalized(hypotheses_.front().pose * since_.step);
-    return report_;
-  }
-  keyframes_.push_back({search_.prepare(views), since_});
-  ++keyframe_count_;
-  if (keyframes_.size() > static_cast<size_t>(map_.params().search.window)) {
-    keyframes_.pop_front();
-    for (Hypothesis& h : hypotheses_) {
-      h.total -= h.history.front().log_likelihood;
-      h.history.pop_front();
-    }
-  }
-  follow();
-  since_ = {};
+  const SearchParameters& p = map_.params().search;
+  const bool is_glance = since_look_.isGlance(p) && !hypotheses_.empty();
+  if (!keyframes_.empty() && !is_glance && !since_.isKeyframe(p)) return reportBetween();
+  SearchViews seen = search_.prepare(views);
+  follow(seen);
+  if (!keyframes_.empty() && !since_.isKeyframe(p) && !haveMoved()) return reportBetween();
+  append(std::move(seen));
   if (look) this->look();
   sort();
   if (look) smooth();
@@ -126,17 +110,60 @@ FoundPose GlobalLocalizer::followed(const SearchViews& seen, const PoseGaussian&
   return found;
 }
 
-void GlobalLocalizer::follow() {
-  const Keyframe& now = keyframes_.back();
+void GlobalLocalizer::follow(const SearchViews& seen) {
   tbb::parallel_for(size_t{0}, hypotheses_.size(), [&](size_t i) {
     Hypothesis& h = hypotheses_[i];
-    h.expected = predicted(h.history.back(), now.since.step, now.since.variance);
-    const FoundPose found = followed(now.seen, h.expected);
-    h.pose = found.pose;
-    h.total += found.log_likelihood;
-    h.history.push_back(found);
-    ++h.followed;
+    h.expected = predicted(h.newest, since_look_.step, since_look_.variance);
+    h.newest = followed(seen, h.expected);
+    h.velocity.reset();
+    if (since_look_.blind > 0 && since_look_.elapsed > 0)
+      h.velocity = logSe3(h.pose.inverse() * h.newest.pose) / since_look_.elapsed;
+    h.pose = h.newest.pose;
   });
+  since_look_ = {};
+}
+
+bool GlobalLocalizer::haveMoved() const {
+  // The best hypothesis alone may be a wrong one that jumps about.
+  constexpr size_t kMost = 9;
+  const size_t count = std::min(kMost, hypotheses_.size());
+  size_t moved = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const Hypothesis& h = hypotheses_[i];
+    BaseMotion motion;
+    motion.step = h.history.back().pose.inverse() * h.pose;
+    if (motion.isKeyframe(map_.params().search)) ++moved;
+  }
+  return 2 * moved > count;
+}
+
+void GlobalLocalizer::append(SearchViews seen) {
+  keyframes_.push_back({std::move(seen), since_});
+  ++keyframe_count_;
+  since_ = {};
+  for (Hypothesis& h : hypotheses_) {
+    h.total += h.newest.log_likelihood;
+    h.history.push_back(h.newest);
+    ++h.followed;
+  }
+  if (keyframes_.size() <= static_cast<size_t>(map_.params().search.window)) return;
+  keyframes_.pop_front();
+  for (Hypothesis& h : hypotheses_) {
+    h.total -= h.history.front().log_likelihood;
+    h.history.pop_front();
+  }
+}
+
+const SearchReport& GlobalLocalizer::reportBetween() {
+  report_.keyframe = false;
+  report_.total_ms = 0;
+  if (hypotheses_.empty()) {
+    report_.estimate.mean = Pose::Identity();
+  } else {
+    report_.estimate.mean = normalized(hypotheses_.front().pose * since_look_.step);
+    report_.velocity = hypotheses_.front().velocity;
+  }
+  return report_;
 }
 
 std::vector<CameraView> GlobalLocalizer::rig() const {
@@ -259,6 +286,7 @@ std::vector<Eigen::Matrix3d> GlobalLocalizer::rotations() const {
 GlobalLocalizer::Hypothesis GlobalLocalizer::backwards(const FoundPose& found) const {
   Hypothesis h;
   h.pose = found.pose;
+  h.newest = found;
   h.history = {found};
   h.total = found.log_likelihood;
   FoundPose last = found;
@@ -339,108 +367,6 @@ void GlobalLocalizer::prune() {
       same->followed = std::max(same->followed, h.followed);
   }
   hypotheses_ = std::move(kept);
-}
-
-double GlobalLocalizer::addClusters(SearchReport* report) const {
-  constexpr size_t kMost = 10;  // places in a report
-  std::vector<double> totals;
-  double next = 0;  // score of a pose without any evidence
-  for (const Hypothesis& h : hypotheses_) {
-    const bool same =
-        std::any_of(report->clusters.begin(), report->clusters.end(),
-                    [&](const PoseCluster& c) { return isNear(c.pose, h.pose, kSamePlace); });
-    if (same || report->clusters.size() >= kMost) continue;
-    if (report->clusters.size() == 1) next = std::max(next, h.total);
-    report->clusters.push_back({h.pose, 0, h.total});
-    totals.push_back(h.total);
-  }
-  const std::vector<double> probabilities = placeProbabilities(totals, keyframes_.size());
-  for (size_t i = 0; i < totals.size(); ++i) report->clusters[i].probability = probabilities[i];
-  return next;
-}
-
-GlobalLocalizer::Support GlobalLocalizer::addMeans(const Hypothesis& best, SearchReport* report) {
-  Support support;
-  for (const FoundPose& f : best.history) {
-    if (f.match_ratio >= 0) {
-      report->evidence += f.evidence;
-      report->match_ratio += f.match_ratio;
-      ++support.images;
-    }
-    if (f.depth_agreement >= 0) {
-      report->depth_agreement += f.depth_agreement;
-      ++support.depths;
-    }
-  }
-  report->evidence /= std::max(1, support.images);
-  report->match_ratio /= std::max(1, support.images);
-  report->depth_agreement /= std::max(1, support.depths);
-  return support;
-}
-
-double GlobalLocalizer::neededMargin(const SearchReport& report, const Support& support) const {
-  const SearchParameters& p = map_.params().search;
-  if (support.images == 0) return p.min_margin;
-  // When the images show a smaller part of the model, this part must prove more.
-  const double shortfall = std::max(1.0, p.min_match_ratio / std::max(report.match_ratio, 0.01));
-  const double margin = p.min_margin * (shortfall * shortfall);
-  const LikelihoodParameters& likelihood = map_.params().likelihood;
-  if (likelihood.model == LikelihoodModel::kRobust) return margin;
-  // Paper model: an image scores at most k (eq. 3), and the best wrong place scores most of that.
-  constexpr double kShareOfAll = 1.0 / 6;
-  return std::min(margin, kShareOfAll * likelihood.k * p.window);
-}
-
-bool GlobalLocalizer::isExplained(const SearchReport& report, const Support& support) const {
-  constexpr double kLeastRatio = 0.3;  // below it the images do not show most of the model
-  const SearchParameters& p = map_.params().search;
-  if (support.images > 0 && report.match_ratio < kLeastRatio) return false;
-  const bool robust = map_.params().likelihood.model == LikelihoodModel::kRobust;
-  if (support.images > 0 && robust && report.evidence < p.min_evidence) return false;
-  return support.depths == 0 ||
-         report.depth_agreement >= map_.params().tracking.min_depth_agreement;
-}
-
-bool GlobalLocalizer::hasRival(double needed_margin) const {
-  // Shelves and stairs look alike one step farther. The pose is not known while a neighbour
-  // explains the images nearly as well. Nearly means: its score is lower by less than this share of
-  // the margin to other places.
-  constexpr double kShare = 0.3;
-  const Hypothesis& best = hypotheses_.front();
-  return std::any_of(hypotheses_.begin() + 1, hypotheses_.end(), [&](const Hypothesis& h) {
-    return h.total > best.total - kShare * needed_margin && !isNear(h.pose, best.pose, kNeighbour);
-  });
-}
-
-void GlobalLocalizer::addNextView(SearchReport* report) const {
-  // A place that is less likely by this factor is no reason to fly somewhere.
-  constexpr double kRival = 0.2;
-  const std::vector<PoseCluster>& places = report->clusters;
-  if (report->convincing || places.size() < 2 ||
-      places[1].probability < kRival * places[0].probability)
-    return;
-  report->next_view = nextView(map_, keyframes_.back().seen.views, places[0].pose, places[1].pose);
-}
-
-SearchReport GlobalLocalizer::judge() const {
-  SearchReport report;
-  report.keyframes = keyframe_count_;
-  report.hypotheses = static_cast<int>(hypotheses_.size());
-  if (hypotheses_.empty()) return report;
-  const Hypothesis& best = hypotheses_.front();
-  report.margin = best.total - addClusters(&report);
-  const Support support = addMeans(best, &report);
-  report.estimate.mean = best.pose;
-  report.estimate.covariance = best.history.back().covariance;
-  addVariance(kSearchFloor, &report.estimate);
-  const double needed_margin = neededMargin(report, support);
-  report.convincing =
-      isExplained(report, support) && report.margin >= needed_margin && !hasRival(needed_margin);
-  // A new hypothesis was chosen because it fits. Only later images can contradict it.
-  constexpr int kFollowed = 2;  // keyframes
-  report.converged = report.convincing && keyframe_count_ >= map_.params().search.min_keyframes &&
-                     best.followed >= kFollowed;
-  return report;
 }
 
 }  // namespace edge_mcl

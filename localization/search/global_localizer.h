@@ -14,12 +14,16 @@ namespace edge_mcl {
 /// The global search. A hypothesis is a pose. Odometry and refinement follow every hypothesis
 /// through the keyframes, and all keyframes together judge it. New hypotheses are searched for in
 /// the first keyframes, and in some of the later ones. They are then followed backwards through the
-/// earlier keyframes, so that all hypotheses are judged by the same images. See docs/search.md.
+/// earlier keyframes, so that all hypotheses are judged by the same images. Without odometry the
+/// hypotheses are followed through images between keyframes as well (a glance). See docs/search.md.
 class GlobalLocalizer : public PoseFinder {
  public:
   /// @param map must outlive this object.
   /// @param seed of the random generator.
   GlobalLocalizer(const LocalizationMap& map, uint64_t seed);
+
+  /// Makes or reads the prepared places, see PoseSearch::prepareLookup().
+  void prepareLookup(const PreparedPlaces::Progress& progress) { search_.prepareLookup(progress); }
 
   void begin() override;
   void begin(const PoseGaussian& guess, bool only_there) override;
@@ -45,8 +49,10 @@ class GlobalLocalizer : public PoseFinder {
     std::deque<FoundPose> history;  ///< pose and scores at every keyframe, newest last
     double total = 0;               ///< sum of the log-likelihoods, nats
     int followed = 0;               ///< number of keyframes since it was found
-    PoseGaussian expected;  ///< at the newest keyframe without its images; set when followed
-    bool repeated = false;  ///< its look-alikes have been tried
+    std::optional<Twist> velocity;  ///< see SearchReport; set when followed without odometry
+    FoundPose newest;               ///< at the newest keyframe or glance
+    PoseGaussian expected;          ///< `newest` as predicted without its images; set when followed
+    bool repeated = false;          ///< its look-alikes have been tried
   };
 
   /// The prior at the next keyframe: the pose moved by odometry. kFollowFloor is added to its
@@ -55,8 +61,15 @@ class GlobalLocalizer : public PoseFinder {
                                 const Vector6& variance);
   /// Refines an expected pose. The result pays for what it jumps.
   FoundPose followed(const SearchViews& seen, const PoseGaussian& expected) const;
-  /// Moves all hypotheses to the newest keyframe and refines them there.
-  void follow();
+  /// Moves all hypotheses to images and refines them there.
+  void follow(const SearchViews& seen);
+  /// Whether most of the best hypotheses have moved as far since the newest keyframe as makes a new
+  /// one. It stands in for missing odometry.
+  bool haveMoved() const;
+  /// Makes a keyframe of images through which all hypotheses were followed.
+  void append(SearchViews seen);
+  /// The report between keyframes, with the newest pose of the best hypothesis.
+  const SearchReport& reportBetween();
   /// Searches for new hypotheses in the newest keyframe.
   void look();
   /// The images of the last keyframes as images of one robot with several cameras.
@@ -111,6 +124,7 @@ class GlobalLocalizer : public PoseFinder {
   std::optional<UpReading> up_;   // roll and pitch now
   bool tilt_is_assumed_ = false;  // up_ is from the guess
   BaseMotion since_;              // motion since the newest keyframe
+  BaseMotion since_look_;         // motion since the newest keyframe or glance
   SearchReport report_;
 };
 

@@ -29,7 +29,10 @@ struct SearchReport {
   /// Odometry has carried the pose too far, since the result or between two of its keyframes. The
   /// pose then needs further proof.
   bool stale = false;
-  PoseGaussian estimate;              ///< best hypothesis, at this image; identity if there is none
+  PoseGaussian estimate;  ///< best hypothesis, at this image; identity if there is none
+  /// Velocity of the best hypothesis in the frame of the base, m/s and rad/s, as the newest two
+  /// images tell. Only without odometry.
+  std::optional<Twist> velocity;
   std::vector<PoseCluster> clusters;  ///< different places, best first, at most ten
   /// The view that tells the two best places apart. None when one place is much more likely, or
   /// when no view tells them apart.
@@ -79,6 +82,10 @@ struct BaseMotion {
     return step.translation().norm() >= p.keyframe_distance ||
            logSo3(step.linear()).norm() >= p.keyframe_angle_deg * kDegree;
   }
+
+  /// Whether hypotheses are followed through an image after this motion, although it may be no
+  /// keyframe: after search.glance_period without odometry.
+  bool isGlance(const SearchParameters& p) const { return blind > 0 && elapsed >= p.glance_period; }
 };
 
 /// Finds the pose from several images with motion between them.

@@ -55,6 +55,11 @@ class PoseSearch {
   std::vector<Pose> lookedUp(const std::vector<CameraView>& views,
                              const std::optional<UpReading>& up,
                              const std::optional<SearchRegion>& region = std::nullopt);
+  /// Makes or reads the prepared places, so that the first search does not wait for them.
+  /// @param progress see PreparedPlaces; what it throws ends the work.
+  void prepareLookup(const PreparedPlaces::Progress& progress) {
+    if (!prepared_) prepared_ = map_.preparedPlaces(progress);
+  }
   /// Searches around a guess (T_map_base): tries random poses from the Gaussian. Other parameters
   /// and the result are those of everywhere().
   std::vector<Pose> around(const std::vector<CameraView>& views, const PoseGaussian& guess,

@@ -23,6 +23,12 @@ inline bool isWiderThan(const PoseTolerance& tolerance, const PoseGaussian& pose
          std::sqrt(variance.tail<3>().maxCoeff()) > tolerance.angle;
 }
 
+/// Adds independent errors with these standard deviations to a pose.
+inline void addVariance(const PoseTolerance& sigma, PoseGaussian* pose) {
+  pose->covariance.diagonal().head<3>().array() += sigma.position * sigma.position;
+  pose->covariance.diagonal().tail<3>().array() += sigma.angle * sigma.angle;
+}
+
 /// Smallest standard deviation of a pose that the search reports. Along a bare wall a pose may
 /// explain everything that is seen and still have this error.
 constexpr PoseTolerance kSearchFloor{0.05, 1.5 * kDegree};

@@ -41,6 +41,7 @@ void LiveLocalizer::begin() {
   odometry_of_update_.reset();
   searching_ = false;
   mask_lifter_.forget();
+  depth_masker_.forget();
   probability_.begin(false);
   look_alikes_.begin();
   proof_.begin(isSpreadWide());
@@ -66,16 +67,25 @@ void LiveLocalizer::setPose(const PoseGaussian& pose) {
 void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
   finder_.reset();        // it refers to the old map
   mask_lifter_.forget();  // it knows the lines by number
+  depth_masker_.forget();
   map_ = std::move(map);
   if (searching_) beginSearch(false);
 }
 
-void LiveLocalizer::beginSearch(bool only_around) {
+void LiveLocalizer::makeFinder() {
   const uint64_t seed = map_->params().filter.seed * 7919 + 17;
   if (!finder_ && search_in_background_)
     finder_ = std::make_unique<BackgroundSearch>(*map_, seed);
   else if (!finder_)
     finder_ = std::make_unique<GlobalLocalizer>(*map_, seed);
+}
+
+void LiveLocalizer::prepareSearch() {
+  if (search_in_background_) makeFinder();
+}
+
+void LiveLocalizer::beginSearch(bool only_around) {
+  makeFinder();
   // When there is a pose, even a lost one, the search tries poses around it as well.
   if (initial_)
     finder_->begin(filter_.estimate(), only_around);
@@ -85,12 +95,23 @@ void LiveLocalizer::beginSearch(bool only_around) {
   only_around_ = only_around;
 }
 
-void LiveLocalizer::searchEverywhere() {
+void LiveLocalizer::forgetPose() {
   initial_.reset();
   given_.reset();
   states_.forgetPose();
   odometry_of_update_.reset();
+}
+
+void LiveLocalizer::searchEverywhere() {
+  forgetPose();
   beginSearch(false);
+}
+
+void LiveLocalizer::searchAround(const PoseGaussian& guess) {
+  forgetPose();
+  makeFinder();
+  finder_->begin(guess, true);
+  searching_ = only_around_ = true;
 }
 
 void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>& views,
@@ -101,8 +122,13 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->search_keyframes = report.keyframes;
   result->search_ms = report.total_ms;
   result->updated = true;
+  // A pose that is not found around the guess so soon is somewhere else.
+  constexpr int kAroundGuess = 8;  // keyframes
+  if (only_around_ && !isInitialized() && !report.converged && report.keyframes >= kAroundGuess)
+    beginSearch(false);
   if (!report.keyframe || !(report.converged || agreesWith(report))) return;
   filter_.initialize(report.estimate);
+  if (report.velocity) filter_.setVelocity(*report.velocity);
   begin();
   probability_.begin(!report.stale);
   if (report.stale) proof_.require(false);

@@ -8,10 +8,11 @@
 
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/localization/filter/pose_filter.h"
+#include "edge_mcl/localization/masks/depth_masker.h"
+#include "edge_mcl/localization/masks/mask_lifter.h"
 #include "edge_mcl/localization/search/pose_finder.h"
 #include "edge_mcl/localization/tracking/localizer_state.h"
 #include "edge_mcl/localization/tracking/look_alike_watch.h"
-#include "edge_mcl/localization/tracking/mask_lifter.h"
 #include "edge_mcl/localization/tracking/odometry_track.h"
 #include "edge_mcl/localization/tracking/pose_probability.h"
 #include "edge_mcl/localization/tracking/pose_proof.h"
@@ -61,6 +62,7 @@ struct LiveResult {
   double log_odds = 0;                    ///< of this image alone; 0: it told nothing
   OdometryCalibration odometry;           ///< learnt errors of odometry
   double masked_share = 0;                ///< masked share of the image; the largest of all cameras
+  double foreign_share = 0;               ///< share that depth alone masked; the largest as well
   std::optional<double> look_alike_odds;  ///< see LookAlikeWatch::Result
   std::optional<Pose> look_alike;         ///< T_map_base, a pose that fits better
   double match_ratio = 0;  ///< share of the visible samples with an image edge in reach
@@ -89,6 +91,12 @@ class LiveLocalizer {
   /// Forgets the pose and searches for it in the whole model, from the next moment on. There is no
   /// pose until the search finds it.
   void searchEverywhere();
+  /// Forgets the pose and searches for it around a guess (T_map_base at the next moment), later in
+  /// the whole model. For guesses that are too rough to start particles there.
+  void searchAround(const PoseGaussian& guess);
+  /// Prepares the places of the map in the search's thread, so that a search begins at once. Only
+  /// with a search in the background.
+  void prepareSearch();
   /// Starts with these particles (T_map_base), for example stored ones. @throws InputError when
   /// they cannot be used
   void setParticles(std::vector<Pose> poses, std::vector<double> log_weights);
@@ -121,6 +129,8 @@ class LiveLocalizer {
   std::vector<CameraView> prepare(const LiveInput& input, LiveResult* result, std::string* problem);
   /// Updates the filter. @return a fault; empty: none
   std::string useImages(std::vector<CameraView> views, LiveResult* result);
+  void makeFinder();
+  void forgetPose();
   void beginSearch(bool only_around);
   /// Goes on at a pose that looks like the tracked one. It must be proven.
   void jumpTo(const Pose& pose, LiveResult* result);
@@ -135,6 +145,8 @@ class LiveLocalizer {
   bool addToProof(double time, LiveResult* result);
   /// The mask of a view, lifted along model lines that the image shows under it.
   cv::Mat maskOf(size_t number, const LiveInput::CameraImage& view);
+  /// What the depth images see in front of the model, while the pose is likely.
+  std::vector<DepthMasker::Foreign> foreignParts(const LiveInput& input, std::string* problem);
   void learnUnderMasks(const LiveInput& input, bool used);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem);
@@ -157,6 +169,7 @@ class LiveLocalizer {
   PoseProbability probability_;
   LookAlikeWatch look_alikes_;
   MaskLifter mask_lifter_;
+  DepthMasker depth_masker_;
   std::optional<PoseGaussian> initial_;
   std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back
   StateMachine states_;

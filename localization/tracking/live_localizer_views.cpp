@@ -8,6 +8,15 @@
 
 namespace edge_mcl {
 
+namespace {
+
+double maskedShare(const cv::Mat& mask) {
+  if (mask.empty() || mask.type() != CV_8UC1) return 0;  // the preparation refuses other types
+  return cv::countNonZero(mask) / static_cast<double>(mask.total());
+}
+
+}  // namespace
+
 cv::Mat LiveLocalizer::maskOf(size_t number, const LiveInput::CameraImage& view) {
   // Only while the pose is trusted: at a wrong pose other edges under the mask may fit by chance.
   const bool fits = view.mask.type() == CV_8UC1 && view.mask.size() == view.image.size() &&
@@ -32,23 +41,49 @@ void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
   mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
 }
 
+std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& input,
+                                                              std::string* problem) {
+  // At a wrong pose the building itself is in front of the model.
+  constexpr double kLikely = 0.9;
+  std::vector<DepthMasker::Foreign> foreign;
+  if (!tracking_.mask_by_depth || searching_ || state() != LocalizerState::kTracking ||
+      probability_.value() < kLikely) {
+    depth_masker_.forget();
+    return foreign;
+  }
+  for (const LiveInput::Depth& depth : input.depths) try {
+      foreign.push_back(
+          DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera));
+    } catch (const InputError& e) {
+      *problem = e.what();
+    }
+  return foreign;
+}
+
 void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
                                   std::vector<CameraView>* views, std::string* problem) {
   const TrackingParameters& p = tracking_;
+  const std::vector<DepthMasker::Foreign> foreign = foreignParts(input, problem);
   for (size_t number = 0; number < input.images.size(); ++number) {
     const LiveInput::CameraImage& view = input.images[number];
-    if (!view.mask.empty() && view.mask.type() == CV_8UC1) {
-      const double share =
-          static_cast<double>(cv::countNonZero(view.mask)) / static_cast<double>(view.mask.total());
-      result->masked_share = std::max(result->masked_share, share);
-      if (share > p.max_masked_share) {
-        *problem = view.origin + ": the mask leaves too little of the image";
-        continue;
-      }
+    const double share = maskedShare(view.mask);
+    result->masked_share = std::max(result->masked_share, share);
+    if (share > p.max_masked_share) {
+      *problem = view.origin + ": the mask leaves too little of the image";
+      continue;
     }
     std::shared_ptr<const PreparedImage> image;
+    cv::Mat mask = maskOf(number, view);
+    if (!foreign.empty()) {
+      const cv::Mat both = depth_masker_.add(number, foreign, view.camera, view.T_base_camera,
+                                             p.max_masked_share, mask);
+      result->foreign_share =
+          std::max(result->foreign_share, maskedShare(both) - maskedShare(mask));
+      result->masked_share = std::max(result->masked_share, maskedShare(both));
+      mask = both;
+    }
     try {
-      image = map_->prepare(view.camera, view.image, maskOf(number, view), view.origin);
+      image = map_->prepare(view.camera, view.image, mask, view.origin);
     } catch (const Error& e) {
       *problem = e.what();
       continue;

@@ -50,6 +50,7 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   params_.model_file = callerPath(params_.model_file);
   const auto map = loadMap(params_.model_file, method_);
   localizer_ = std::make_unique<LiveLocalizer>(map, params_.search_in_background);
+  if (method_.search.recover || params_.global_start) localizer_->prepareSearch();
   if (params_.has_initial_pose) localizer_->setPose(params_.initialPose());
   publisher_ = std::make_unique<ResultPublisher>(nh_, private_nh_, params_, method_.filter);
   publisher_->publishModel(*map);
@@ -58,9 +59,9 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   if (!params_.has_initial_pose && params_.global_start) localizer_->searchEverywhere();
   if (!params_.has_initial_pose && !params_.global_start)
     ROS_INFO("waiting for an initial pose on initialpose, or for a call of global_localization");
-  queue_ = std::make_unique<MomentQueue>(nh_, params_, method_.likelihood.cues);
-  reader_ =
-      std::make_unique<MomentReader>(nh_, params_, method_.likelihood.cues, queue_->cameraCount());
+  const Cues needed = neededImages(method_);
+  queue_ = std::make_unique<MomentQueue>(nh_, params_, needed);
+  reader_ = std::make_unique<MomentReader>(nh_, params_, needed, queue_->cameraCount());
   diagnostics_.setHardwareID("edge_mcl");
   diagnostics_.add("localization", this, &LocalizerNode::diagnose);
   offerAdjustment();
@@ -179,7 +180,10 @@ std::string LocalizerNode::setPose(const geometry_msgs::PoseWithCovarianceStampe
       in_map.pose = toPoseMessage(pose.mean);
       pose = completePlanar(in_map, localizer_->map(), context);
     }
-    localizer_->setPose(pose);
+    if (is_planar)
+      localizer_->searchAround(pose);
+    else
+      localizer_->setPose(pose);
     ROS_INFO("initial pose: %.2f %.2f %.2f m%s", pose.mean.translation().x(),
              pose.mean.translation().y(), pose.mean.translation().z(),
              is_planar ? "; it is searched for there, since height and tilt were not given" : "");
@@ -195,6 +199,7 @@ bool LocalizerNode::reloadModel(UseFile::Request& request, UseFile::Response& re
     const auto map = loadMap(file, method_);
     const std::lock_guard<std::mutex> lock(localizer_mutex_);
     localizer_->setMap(map);
+    if (method_.search.recover) localizer_->prepareSearch();
     params_.model_file = file;
     publisher_->publishModel(*map);
     response.success = true;

@@ -34,16 +34,27 @@ def difference(a, b):
 class Frame:
     def __init__(self, messages):
         self.image, self.info = messages['image'], messages['info']
-        self.depth, self.odometry = messages.get('depth'), messages['tf'].transforms[0]
+        self.depth, self.mask = messages.get('depth'), messages.get('mask')
+        self.odometry = messages['tf'].transforms[0]
         truth = messages['truth'].pose
         self.truth = matrix(truth.position, truth.orientation)
         transform = self.odometry.transform
         self.T_odom_base = matrix(transform.translation, transform.rotation)
 
+    def odometryAt(self, stamp, T_odom_odom):
+        """Returns odometry of this moment with another stamp and another origin."""
+        message = copy.deepcopy(self.odometry)
+        message.header.stamp = stamp
+        T = T_odom_odom @ self.T_odom_base
+        to = message.transform
+        to.translation.x, to.translation.y, to.translation.z = T[:3, 3]
+        to.rotation.x, to.rotation.y, to.rotation.z, to.rotation.w = quaternion(T[:3, :3])
+        return TFMessage([message])
+
 
 def readFrames(bag_file, every):
     """Returns every n-th moment of a bag, the initial pose and the mounting of the camera."""
-    names = {'/camera/image_raw': 'image', '/camera/camera_info': 'info',
+    names = {'/camera/image_raw': 'image', '/camera/camera_info': 'info', '/camera/mask': 'mask',
              '/camera/depth/image_raw': 'depth', '/ground_truth': 'truth', '/tf': 'tf'}
     moments, others = {}, {}
     with rosbag.Bag(bag_file) as bag:
@@ -137,13 +148,7 @@ class FlightFeeder:
             self.sent += 1
 
     def publishOdometry(self, frame, stamp):
-        message = copy.deepcopy(frame.odometry)
-        message.header.stamp = stamp
-        T = self.T_odom_odom @ frame.T_odom_base
-        to = message.transform
-        to.translation.x, to.translation.y, to.translation.z = T[:3, 3]
-        to.rotation.x, to.rotation.y, to.rotation.z, to.rotation.w = quaternion(T[:3, :3])
-        self.tf.publish(TFMessage([message]))
+        self.tf.publish(frame.odometryAt(stamp, self.T_odom_odom))
 
     @staticmethod
     def send(publisher, message, stamp):

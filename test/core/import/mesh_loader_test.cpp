@@ -1,3 +1,4 @@
+#include <assimp/version.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -90,6 +91,8 @@ TEST(MeshLoader, WhatCannotBeReadIsNamedWithAWayOn) {
 
 /// assimp 5.2 reads a null pointer when an IFC2X3 file holds this entity of IFC4.
 TEST(MeshLoader, AnImporterThatCrashesIsOneError) {
+  if (aiGetVersionMajor() > 5 || aiGetVersionMinor() >= 4)
+    GTEST_SKIP() << "assimp 5.4 and later do not crash with this file";
   const std::string crash = writeFile(
       "crash.ifc",
       replaced(textOf(EDGE_MCL_TEST_DATA "box.ifc"), "#21=IFCEXTRUDEDAREASOLID(#20,#9,#7,2.5);",

@@ -91,6 +91,25 @@ TEST_F(BackgroundSearchTest, FindsTheCameraWhileImagesGoOn) {
   EXPECT_EQ(result.state, LocalizerState::kTracking);
 }
 
+/// Nothing but the images carries the result of the search to the present.
+TEST_F(BackgroundSearchTest, FindsTheCameraWithoutOdometry) {
+  LiveLocalizer localizer(map_, true);
+  localizer.searchEverywhere();
+  LiveResult result;
+  int tracked = 0;
+  for (int images = 0; tracked < 30 && images < kMostImages; ++images) {
+    LiveInput input = flight_.next();
+    input.odometry.reset();
+    result = localizer.process(input);
+    if (result.state == LocalizerState::kTracking) {
+      ++tracked;
+      EXPECT_TRUE(isRight(result)) << "image " << images;
+    }
+    std::this_thread::sleep_for(kPeriod);
+  }
+  EXPECT_EQ(tracked, 30);
+}
+
 /// The filter starts 5 m away from the true pose. It must become lost, and then the search must
 /// find the pose.
 TEST_F(BackgroundSearchTest, FindsItAgainAfterItWasCarriedElsewhere) {

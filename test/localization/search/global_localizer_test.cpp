@@ -11,37 +11,16 @@
 #include "edge_mcl/localization/search/global_localizer.h"
 #include "edge_mcl/localization/tracking/live_localizer.h"
 #include "edge_mcl/sim/simulator.h"
+#include "support/flight_input.h"
 #include "support/search_setup.h"
 
 namespace edge_mcl {
 namespace {
 
+using test::inputOf;
+using test::isRight;
 namespace fs = std::filesystem;
 const std::string kData = EDGE_MCL_TEST_DATA;
-
-/// The direction up as an IMU measures it, with a standard deviation of one degree.
-UpReading upOf(const Pose& truth, RandomSource* random) {
-  UpReading up;
-  up.sigma = 1 * kDegree;
-  const Eigen::Vector3d error =
-      up.sigma * Eigen::Vector3d(random->normal(), random->normal(), random->normal());
-  up.up_base = expSo3(error) * (truth.linear().transpose() * Eigen::Vector3d::UnitZ());
-  return up;
-}
-
-LiveInput inputOf(const RecordedFrame& frame, const CameraModel& camera, RandomSource* random) {
-  LiveInput input;
-  input.time = frame.time;
-  input.odometry = frame.odometry;
-  input.up = upOf(*frame.truth, random);
-  LiveInput::CameraImage view;
-  view.camera = camera;
-  view.image = frame.color;
-  view.mask = frame.mask;
-  view.origin = "image";
-  input.images = {view};
-  return input;
-}
 
 /// A guess with an error of up to 1 m and 15 degrees.
 PoseGaussian badGuess(const Pose& truth, RandomSource* random) {
@@ -54,8 +33,6 @@ PoseGaussian badGuess(const Pose& truth, RandomSource* random) {
   guess.covariance.diagonal().tail<3>().setConstant(7.5 * kDegree * 7.5 * kDegree);
   return guess;
 }
-
-bool isRight(const Pose& pose, const Pose& truth) { return isNear(pose, truth, 0.25, 5 * kDegree); }
 
 /// The truth is the pose of the simulator. After the search every pose must be right.
 TEST(Search, FindsTheCameraInTheOfficeAndTracksIt) {
@@ -336,7 +313,7 @@ class SymmetricRoom : public testing::Test {
       last = frame.odometry;
       CameraView view;
       view.image = map.prepare(scenario.camera, frame.color, {}, "image");
-      reports.push_back(localizer.process({view}, upOf(*frame.truth, &random)));
+      reports.push_back(localizer.process({view}, test::upOf(*frame.truth, &random)));
       truth->push_back(*frame.truth);
     }
     return reports;

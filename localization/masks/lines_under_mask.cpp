@@ -1,4 +1,4 @@
-#include "edge_mcl/localization/tracking/lines_under_mask.h"
+#include "edge_mcl/localization/masks/lines_under_mask.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "edge_mcl/localization/tracking/mask_lifter.h"
+#include "edge_mcl/localization/masks/mask_lifter.h"
 
 #include <cmath>
 #include <utility>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
-#include "edge_mcl/localization/tracking/lines_under_mask.h"
+#include "edge_mcl/localization/masks/lines_under_mask.h"
 
 namespace edge_mcl {
 

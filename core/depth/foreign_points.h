@@ -1,0 +1,35 @@
+/// What a depth image sees in front of the model: people, furniture, boxes.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "edge_mcl/core/base/parameters.h"
+#include "edge_mcl/core/base/se3.h"
+#include "edge_mcl/core/depth/depth_points.h"
+#include "edge_mcl/core/mesh/ray_mesh.h"
+
+namespace edge_mcl {
+
+/// Points of a depth image that lie in front of the model.
+struct ForeignPoints {
+  std::vector<Eigen::Vector3f> points;  ///< optical frame of the depth camera, m
+  double spacing = 0;                   ///< between neighbouring points in the depth image, pixels
+  size_t compared = 0;  ///< pixels that have a depth, and a surface of the model behind them
+};
+
+/// Compares a depth image with the depth that the model has from the same pose.
+///
+/// A pixel is foreign when the model is farther away, by more than `least` and three standard
+/// deviations of the noise of the depth and of what the uncertainty of the pose moves. Where the
+/// model has no surface, nothing is foreign. Foreign pixels count where they form a region that is
+/// at least three examined pixels wide somewhere: the depth at the edges of surfaces is seldom
+/// right. The mask of the depth image is not used.
+/// @param scene faces of the model. @param T_map_depth pose with its covariance in the tangent
+/// space of the camera, m^2 and rad^2. @param least m.
+/// @throws InputError when the type or size of the depth image is wrong.
+ForeignPoints foreignPoints(const DepthImage& image, const RayScene& scene,
+                            const PoseGaussian& T_map_depth, const DepthParameters& params,
+                            double least);
+
+}  // namespace edge_mcl

@@ -1,0 +1,71 @@
+#include "edge_mcl/localization/masks/depth_masker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace edge_mcl {
+
+namespace {
+
+/// Pixels around a foreign point in an image 640 pixels wide, for what colour and depth camera see
+/// beside each other. image.mask_dilation adds the reach of the image's smoothing.
+constexpr double kMargin = 1, kMarginWidth = 640;
+/// Growth of a mask, as a share of the image, above which it is held back. A person who walks by
+/// at 2 m needs several images at 10 Hz to cover as much.
+constexpr double kGrowth = 0.25;
+
+}  // namespace
+
+Cues neededImages(const Parameters& params) {
+  const bool needs_both = params.likelihood.cues == Cues::kEdges && params.tracking.mask_by_depth;
+  return needs_both ? Cues::kBoth : params.likelihood.cues;
+}
+
+DepthMasker::Foreign DepthMasker::find(const LocalizationMap& map, const DepthImage& image,
+                                       const PoseGaussian& T_map_base, const Pose& T_base_depth) {
+  Foreign foreign;
+  foreign.T_base_depth = T_base_depth;
+  foreign.focal_length = std::max(image.camera.fx, image.camera.fy);
+  const RayScene* scene = map.visibility().scene();
+  if (!scene) return foreign;
+  PoseGaussian T_map_depth;
+  T_map_depth.mean = T_map_base.mean * T_base_depth;
+  const Matrix6 to_depth = adjoint(T_base_depth.inverse());
+  T_map_depth.covariance = to_depth * T_map_base.covariance * to_depth.transpose();
+  foreign.points = foreignPoints(image, *scene, T_map_depth, map.params().depth,
+                                 map.params().tracking.mask_by_depth_from);
+  return foreign;
+}
+
+cv::Mat DepthMasker::add(size_t view, const std::vector<Foreign>& foreign,
+                         const CameraModel& camera, const Pose& T_base_camera, double most,
+                         const cv::Mat& mask) {
+  const cv::Size size(camera.width, camera.height);
+  if (!mask.empty() && (mask.type() != CV_8UC1 || mask.size() != size)) return mask;
+  cv::Mat found(size, CV_8U, cv::Scalar(0));
+  for (const Foreign& f : foreign) {
+    const Pose T_camera_depth = T_base_camera.inverse() * f.T_base_depth;
+    const double enlarged = std::max(camera.fx, camera.fy) / std::max(f.focal_length, 1.0);
+    const int reach = static_cast<int>(
+        std::ceil(f.points.spacing * enlarged / 2 + kMargin * camera.width / kMarginWidth));
+    for (const Eigen::Vector3f& point : f.points.points) {
+      Eigen::Vector2d pixel;
+      if (!camera.project(T_camera_depth * point.cast<double>(), &pixel)) continue;
+      const cv::Rect square(static_cast<int>(std::lround(pixel.x())) - reach,
+                            static_cast<int>(std::lround(pixel.y())) - reach, 2 * reach + 1,
+                            2 * reach + 1);
+      found(square & cv::Rect({0, 0}, size)).setTo(255);
+    }
+  }
+  const double share = cv::countNonZero(found) / static_cast<double>(found.total());
+  const auto before = shares_.find(view);
+  // The first mask is held back as well when it is large.
+  const bool is_held_back = share > kGrowth + (before == shares_.end() ? 0 : before->second);
+  shares_[view] = share;
+  if (share == 0 || is_held_back) return mask;
+  if (!mask.empty()) cv::bitwise_or(found, mask, found);
+  return cv::countNonZero(found) > most * static_cast<double>(found.total()) ? mask : found;
+}
+
+}  // namespace edge_mcl
