@@ -44,6 +44,7 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time, double readi
                    {"refined_modes", u.refined_modes},
                    {"covariance", std::vector<double>(c.data(), c.data() + 36)}};
   j["ms"] = {{"reading", reading_ms},
+             {"foreign", r.foreign_ms},
              {"edges", t.edges},
              {"field", t.field},
              {"table", t.table},

@@ -47,34 +47,37 @@ class ExpectedDepth {
       for (int x = 0; x < columns_; ++x) is_flat_[index(x, y)] = isFlat(x, y);
   }
 
-  /// The nearest depth that the model may have at a pixel, and how fast it changes there.
+  /// What the model may have at a pixel.
   struct Surface {
-    double depth = 0;  ///< m; infinite: no surface
-    double slope = 0;  ///< m per pixel
+    double nearest = 0, farthest = 0;  ///< m; infinite: no surface
+    double slope = 0;                  ///< m per pixel
   };
   Surface at(int x, int y) const {
     const int column = x / step_, row = y / step_;
-    const float a = inverse_[index(column, row)], b = inverse_[index(column + 1, row)],
-                c = inverse_[index(column, row + 1)];
     if (is_flat_[index(column, row)] && is_flat_[index(column + 1, row)] &&
-        is_flat_[index(column, row + 1)] && is_flat_[index(column + 1, row + 1)]) {
-      const float u = static_cast<float>(x - column * step_) / static_cast<float>(step_),
-                  v = static_cast<float>(y - row * step_) / static_cast<float>(step_);
-      const double w = static_cast<double>(a + u * (b - a) + v * (c - a));
-      const double by_pixel = static_cast<double>(std::hypot(b - a, c - a)) / step_;
-      return {1 / w, by_pixel / (w * w)};
-    }
-    // Between surfaces the nearest one around counts.
-    float nearest = 0;
+        is_flat_[index(column, row + 1)] && is_flat_[index(column + 1, row + 1)])
+      return onPlane(x, y);
+    // Between surfaces all around count.
+    float nearest = 0, farthest = std::numeric_limits<float>::infinity();
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 2); ++r)
-      for (int q = std::max(0, column - 1); q <= std::min(columns_ - 1, column + 2); ++q)
+      for (int q = std::max(0, column - 1); q <= std::min(columns_ - 1, column + 2); ++q) {
         nearest = std::max(nearest, inverse_[index(q, r)]);
-    return {
-        nearest > 0 ? 1 / static_cast<double>(nearest) : std::numeric_limits<double>::infinity(),
-        0};
+        farthest = std::min(farthest, inverse_[index(q, r)]);
+      }
+    return {1 / static_cast<double>(nearest), 1 / static_cast<double>(farthest), 0};
   }
 
  private:
+  Surface onPlane(int x, int y) const {
+    const int column = x / step_, row = y / step_;
+    const float a = inverse_[index(column, row)], by_x = inverse_[index(column + 1, row)] - a,
+                by_y = inverse_[index(column, row + 1)] - a;
+    const float u = static_cast<float>(x - column * step_) / static_cast<float>(step_),
+                v = static_cast<float>(y - row * step_) / static_cast<float>(step_);
+    const double inverse = static_cast<double>(a + u * by_x + v * by_y);
+    const double by_pixel = static_cast<double>(std::hypot(by_x, by_y)) / step_;
+    return {1 / inverse, 1 / inverse, by_pixel / (inverse * inverse)};
+  }
   /// Whether a node and its neighbours lie on one plane. There the inverse depth is an affine
   /// function of the pixel. Distortion bends it by less than the limit.
   bool isFlat(int x, int y) const {
@@ -111,6 +114,21 @@ void removeThin(cv::Mat* foreign) {
       if (!is_wide[static_cast<size_t>(labels.at<int>(y, x))]) foreign->at<uint8_t>(y, x) = 0;
 }
 
+/// @param chosen CV_8U. @param step distance of its pixels in the depth image.
+std::vector<Eigen::Vector3f> pointsOf(const DepthImage& image, const cv::Mat& chosen, int step) {
+  std::vector<Eigen::Vector3f> points;
+  for (int row = 0; row < chosen.rows; ++row)
+    for (int column = 0; column < chosen.cols; ++column) {
+      Eigen::Vector2d ray;
+      if (!chosen.at<uint8_t>(row, column) ||
+          !unproject(image.camera, {column * step, row * step}, &ray))
+        continue;
+      const double depth = metresAt(image, column * step, row * step);
+      points.push_back((depth * Eigen::Vector3d(ray.x(), ray.y(), 1)).cast<float>());
+    }
+  return points;
+}
+
 }  // namespace
 
 ForeignPoints foreignPoints(const DepthImage& image, const RayScene& scene,
@@ -127,33 +145,31 @@ ForeignPoints foreignPoints(const DepthImage& image, const RayScene& scene,
 
   ForeignPoints result;
   result.spacing = step;
-  cv::Mat foreign((camera.height - 1) / step + 1, (camera.width - 1) / step + 1, CV_8U,
-                  cv::Scalar(0));
-  for (int row = 0; row < foreign.rows; ++row)
-    for (int column = 0; column < foreign.cols; ++column) {
+  const cv::Size size((camera.width - 1) / step + 1, (camera.height - 1) / step + 1);
+  cv::Mat foreign(size, CV_8U, cv::Scalar(0)), of_model(size, CV_8U, cv::Scalar(0));
+  for (int row = 0; row < size.height; ++row)
+    for (int column = 0; column < size.width; ++column) {
       const double depth = metresAt(image, column * step, row * step);
       if (!(depth > 0) || depth > params.max_range) continue;
       const ExpectedDepth::Surface model = expected.at(column * step, row * step);
-      if (!std::isfinite(model.depth)) continue;
+      if (!std::isfinite(model.nearest)) continue;
       ++result.compared;
-      if (depth > model.depth - least) continue;
       // A turn, and a motion to the side, move the surface in the image.
-      const double pixels = focal * (turn + position / model.depth);
+      const double pixels = focal * (turn + position / model.nearest);
       const double noise =
-          std::hypot(params.sigma, params.sigma_per_square_metre * model.depth * model.depth);
-      const double sigma = std::hypot(noise, std::hypot(position, model.slope * pixels));
-      if (depth < model.depth - least - kSigmas * sigma) foreign.at<uint8_t>(row, column) = 255;
+          std::hypot(params.sigma, params.sigma_per_square_metre * model.nearest * model.nearest);
+      const double reach = kSigmas * std::hypot(noise, std::hypot(position, model.slope * pixels));
+      if (depth < model.nearest - least - reach)
+        foreign.at<uint8_t>(row, column) = 255;
+      else if (std::min(std::abs(depth - model.nearest), std::abs(depth - model.farthest)) <
+               least / 2 + reach)
+        of_model.at<uint8_t>(row, column) = 255;
     }
+  const size_t others = result.compared - static_cast<size_t>(cv::countNonZero(foreign));
+  if (others > 0) result.agreement = cv::countNonZero(of_model) / static_cast<double>(others);
   removeThin(&foreign);
-  for (int row = 0; row < foreign.rows; ++row)
-    for (int column = 0; column < foreign.cols; ++column) {
-      Eigen::Vector2d ray;
-      if (!foreign.at<uint8_t>(row, column) ||
-          !unproject(camera, {column * step, row * step}, &ray))
-        continue;
-      const double depth = metresAt(image, column * step, row * step);
-      result.points.push_back((depth * Eigen::Vector3d(ray.x(), ray.y(), 1)).cast<float>());
-    }
+  result.points = pointsOf(image, foreign, step);
+  result.of_model = pointsOf(image, of_model, step);
   return result;
 }
 

@@ -1,4 +1,4 @@
-/// What a depth image sees in front of the model: people, furniture, boxes.
+/// What a depth image sees in front of the model (people, furniture, boxes), and what of the model.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,10 +11,16 @@
 
 namespace edge_mcl {
 
-/// Points of a depth image that lie in front of the model.
+/// Points of a depth image that lie in front of the model. All points are in the optical frame of
+/// the depth camera, m.
 struct ForeignPoints {
-  std::vector<Eigen::Vector3f> points;  ///< optical frame of the depth camera, m
-  double spacing = 0;                   ///< between neighbouring points in the depth image, pixels
+  std::vector<Eigen::Vector3f> points;
+  /// Points that lie on a surface of the model.
+  std::vector<Eigen::Vector3f> of_model;
+  /// Share of the compared pixels that are not foreign and lie on the model. At a right pose it is
+  /// nearly 1. At a wrong pose many pixels lie behind the model.
+  double agreement = 0;
+  double spacing = 0;   ///< between neighbouring points in the depth image, pixels
   size_t compared = 0;  ///< pixels that have a depth, and a surface of the model behind them
 };
 
@@ -24,7 +30,9 @@ struct ForeignPoints {
 /// deviations of the noise of the depth and of what the uncertainty of the pose moves. Where the
 /// model has no surface, nothing is foreign. Foreign pixels count where they form a region that is
 /// at least three examined pixels wide somewhere: the depth at the edges of surfaces is seldom
-/// right. The mask of the depth image is not used.
+/// right. A pixel is of the model when both depths differ by less than half of `least` and the
+/// standard deviations. Beside an outline the surfaces on either side count. The mask of the depth
+/// image is not used.
 /// @param scene faces of the model. @param T_map_depth pose with its covariance in the tangent
 /// space of the camera, m^2 and rad^2. @param least m.
 /// @throws InputError when the type or size of the depth image is wrong.

@@ -1,6 +1,7 @@
 /// Standard deviations of a motion, and a pose after an uncertain motion.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "edge_mcl/core/base/angles.h"
@@ -32,7 +33,11 @@ inline Vector6 odometryNoise(const FilterParameters& p, const Pose& increment, d
 /// radians. They have a part that grows with the root of the time and a part from an unknown
 /// acceleration. @param dt duration of the motion, seconds.
 inline Vector6 walkNoise(const FilterParameters& p, double dt) {
-  const double root = std::sqrt(dt), half_square = dt * dt / 2;
+  // After kLongest the robot may be anywhere in a building. After a clock that jumped by a day it
+  // would be on another planet.
+  constexpr double kLongest = 10;
+  const double time = std::min(dt, kLongest);
+  const double root = std::sqrt(time), half_square = time * time / 2;
   Vector6 sigma;
   sigma.head<3>().setConstant(p.walk_position_rate * root + p.walk_acceleration * half_square);
   sigma.tail<3>().setConstant(

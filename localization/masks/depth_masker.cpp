@@ -15,6 +15,25 @@ constexpr double kMargin = 1, kMarginWidth = 640;
 /// at 2 m needs several images at 10 Hz to cover as much.
 constexpr double kGrowth = 0.25;
 
+/// Sets the pixels around the points of a depth sensor.
+void paint(const DepthMasker::Foreign& sensor, const std::vector<Eigen::Vector3f>& points,
+           const CameraModel& camera, const Pose& T_base_camera, uint8_t value, cv::Mat* mask) {
+  const Pose T_camera_depth = T_base_camera.inverse() * sensor.T_base_depth;
+  const double enlarged = std::max(camera.fx, camera.fy) / std::max(sensor.focal_length, 1.0);
+  const int reach = static_cast<int>(
+      std::ceil(sensor.points.spacing * enlarged / 2 + kMargin * camera.width / kMarginWidth));
+  const cv::Rect whole({0, 0}, mask->size());
+  for (const Eigen::Vector3f& point : points) {
+    Eigen::Vector2d pixel;
+    if (!camera.project(T_camera_depth * point.cast<double>(), &pixel) || !camera.contains(pixel))
+      continue;
+    const int x = static_cast<int>(std::lround(pixel.x())),
+              y = static_cast<int>(std::lround(pixel.y()));
+    const cv::Rect square(x - reach, y - reach, 2 * reach + 1, 2 * reach + 1);
+    (*mask)(square & whole).setTo(value);
+  }
+}
+
 }  // namespace
 
 Cues neededImages(const Parameters& params) {
@@ -42,29 +61,21 @@ cv::Mat DepthMasker::add(size_t view, const std::vector<Foreign>& foreign,
                          const CameraModel& camera, const Pose& T_base_camera, double most,
                          const cv::Mat& mask) {
   const cv::Size size(camera.width, camera.height);
+  if (foreign.empty()) return mask;
   if (!mask.empty() && (mask.type() != CV_8UC1 || mask.size() != size)) return mask;
   cv::Mat found(size, CV_8U, cv::Scalar(0));
-  for (const Foreign& f : foreign) {
-    const Pose T_camera_depth = T_base_camera.inverse() * f.T_base_depth;
-    const double enlarged = std::max(camera.fx, camera.fy) / std::max(f.focal_length, 1.0);
-    const int reach = static_cast<int>(
-        std::ceil(f.points.spacing * enlarged / 2 + kMargin * camera.width / kMarginWidth));
-    for (const Eigen::Vector3f& point : f.points.points) {
-      Eigen::Vector2d pixel;
-      if (!camera.project(T_camera_depth * point.cast<double>(), &pixel)) continue;
-      const cv::Rect square(static_cast<int>(std::lround(pixel.x())) - reach,
-                            static_cast<int>(std::lround(pixel.y())) - reach, 2 * reach + 1,
-                            2 * reach + 1);
-      found(square & cv::Rect({0, 0}, size)).setTo(255);
-    }
-  }
+  for (const Foreign& f : foreign) paint(f, f.points.points, camera, T_base_camera, 255, &found);
   const double share = cv::countNonZero(found) / static_cast<double>(found.total());
   const auto before = shares_.find(view);
   // The first mask is held back as well when it is large.
   const bool is_held_back = share > kGrowth + (before == shares_.end() ? 0 : before->second);
   shares_[view] = share;
-  if (share == 0 || is_held_back) return mask;
-  if (!mask.empty()) cv::bitwise_or(found, mask, found);
+  if (is_held_back || (share == 0 && mask.empty())) return mask;
+  if (!mask.empty()) {
+    cv::Mat others = mask.clone();
+    for (const Foreign& f : foreign) paint(f, f.points.of_model, camera, T_base_camera, 0, &others);
+    cv::bitwise_or(found, others, found);
+  }
   return cv::countNonZero(found) > most * static_cast<double>(found.total()) ? mask : found;
 }
 

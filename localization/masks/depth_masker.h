@@ -34,11 +34,12 @@ class DepthMasker {
   static Foreign find(const LocalizationMap& map, const DepthImage& image,
                       const PoseGaussian& T_map_base, const Pose& T_base_depth);
 
-  /// Adds foreign points to the mask of an image.
+  /// Adds foreign points to the mask of an image, and takes what is of the model out of it: a
+  /// network may take a cupboard of the model for something that moves.
   /// @param view number of the camera on the robot. @param mask CV_8U of the size of the camera, or
   /// empty. @param T_base_camera extrinsics. @param most largest share of the image that may be
-  /// masked. @return the mask with the foreign points; `mask` itself when there are none, or when
-  /// they are held back.
+  /// masked. @return the changed mask; `mask` itself when nothing changes, or when the foreign
+  /// points are held back.
   cv::Mat add(size_t view, const std::vector<Foreign>& foreign, const CameraModel& camera,
               const Pose& T_base_camera, double most, const cv::Mat& mask);
 

@@ -227,13 +227,14 @@ std::vector<Pose> GlobalLocalizer::alongWhatWasOpen() const {
   constexpr size_t kMost = 4;                   // hypotheses
   constexpr double kOpen = 0.12, kStep = 0.12;  // m
   constexpr double kFarthest = 1.5;             // standard deviations
+  constexpr double kWidest = 2;                 // m; farther away other searches find the pose
   std::vector<Pose> found;
   for (size_t i = 0; i < std::min(kMost, hypotheses_.size()); ++i) {
     const Hypothesis& h = hypotheses_[i];
     if (h.followed == 0) continue;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
         h.expected.covariance.topLeftCorner<3, 3>());
-    const double sigma = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+    const double sigma = std::min(kWidest, std::sqrt(std::max(0.0, axes.eigenvalues()[2])));
     if (sigma < kOpen) continue;
     for (double offset = kStep; offset <= kFarthest * sigma; offset += kStep)
       for (const double sign : {-1.0, 1.0}) {

@@ -62,7 +62,8 @@ struct LiveResult {
   double log_odds = 0;                    ///< of this image alone; 0: it told nothing
   OdometryCalibration odometry;           ///< learnt errors of odometry
   double masked_share = 0;                ///< masked share of the image; the largest of all cameras
-  double foreign_share = 0;               ///< share that depth alone masked; the largest as well
+  double foreign_share = 0;               ///< change of this share by depth; the largest as well
+  double foreign_ms = 0;                  ///< time for masks by depth, ms
   std::optional<double> look_alike_odds;  ///< see LookAlikeWatch::Result
   std::optional<Pose> look_alike;         ///< T_map_base, a pose that fits better
   double match_ratio = 0;  ///< share of the visible samples with an image edge in reach
@@ -147,6 +148,9 @@ class LiveLocalizer {
   cv::Mat maskOf(size_t number, const LiveInput::CameraImage& view);
   /// What the depth images see in front of the model, while the pose is likely.
   std::vector<DepthMasker::Foreign> foreignParts(const LiveInput& input, std::string* problem);
+  /// The mask of a view, lifted, and changed by what depth shows.
+  cv::Mat withForeign(size_t number, const LiveInput::CameraImage& view,
+                      const std::vector<DepthMasker::Foreign>& foreign, LiveResult* result);
   void learnUnderMasks(const LiveInput& input, bool used);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem);

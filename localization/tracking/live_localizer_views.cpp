@@ -1,5 +1,7 @@
 // How LiveLocalizer prepares images, masks and depth images for the filter.
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -10,6 +12,13 @@ namespace edge_mcl {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// @param mask empty: none
 double maskedShare(const cv::Mat& mask) {
   if (mask.empty() || mask.type() != CV_8UC1) return 0;  // the preparation refuses other types
   return cv::countNonZero(mask) / static_cast<double>(mask.total());
@@ -43,45 +52,56 @@ void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
 
 std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& input,
                                                               std::string* problem) {
-  // At a wrong pose the building itself is in front of the model.
-  constexpr double kLikely = 0.9;
+  // At a wrong pose the building itself is in front of the model, and more of it behind. Where
+  // nearly nothing is behind the model, the pose is likely, even when edges cannot tell. The limit
+  // lies between right poses (0.95 and more) and wrong ones (at most 0.9 in 100 of 100).
+  constexpr double kLikely = 0.9, kAgreement = 0.9;
   std::vector<DepthMasker::Foreign> foreign;
-  if (!tracking_.mask_by_depth || searching_ || state() != LocalizerState::kTracking ||
-      probability_.value() < kLikely) {
+  if (!tracking_.mask_by_depth || searching_ || !isInitialized()) {
     depth_masker_.forget();
     return foreign;
   }
+  const bool is_likely = state() == LocalizerState::kTracking && probability_.value() >= kLikely;
   for (const LiveInput::Depth& depth : input.depths) try {
-      foreign.push_back(
-          DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera));
+      DepthMasker::Foreign found =
+          DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera);
+      if (is_likely || found.points.agreement >= kAgreement) foreign.push_back(std::move(found));
     } catch (const InputError& e) {
       *problem = e.what();
     }
   return foreign;
 }
 
+cv::Mat LiveLocalizer::withForeign(size_t number, const LiveInput::CameraImage& view,
+                                   const std::vector<DepthMasker::Foreign>& foreign,
+                                   LiveResult* result) {
+  const cv::Mat lifted = maskOf(number, view);
+  if (foreign.empty()) return lifted;
+  const Clock::time_point begin = Clock::now();
+  cv::Mat mask = depth_masker_.add(number, foreign, view.camera, view.T_base_camera,
+                                   tracking_.max_masked_share, lifted);
+  result->foreign_ms += millisecondsSince(begin);
+  const double change = maskedShare(mask) - maskedShare(lifted);
+  if (std::abs(change) > std::abs(result->foreign_share)) result->foreign_share = change;
+  return mask;
+}
+
 void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
                                   std::vector<CameraView>* views, std::string* problem) {
   const TrackingParameters& p = tracking_;
+  const Clock::time_point begin = Clock::now();
   const std::vector<DepthMasker::Foreign> foreign = foreignParts(input, problem);
+  result->foreign_ms = millisecondsSince(begin);
   for (size_t number = 0; number < input.images.size(); ++number) {
     const LiveInput::CameraImage& view = input.images[number];
-    const double share = maskedShare(view.mask);
+    const cv::Mat mask = withForeign(number, view, foreign, result);
+    const double share = maskedShare(mask);
     result->masked_share = std::max(result->masked_share, share);
     if (share > p.max_masked_share) {
       *problem = view.origin + ": the mask leaves too little of the image";
       continue;
     }
     std::shared_ptr<const PreparedImage> image;
-    cv::Mat mask = maskOf(number, view);
-    if (!foreign.empty()) {
-      const cv::Mat both = depth_masker_.add(number, foreign, view.camera, view.T_base_camera,
-                                             p.max_masked_share, mask);
-      result->foreign_share =
-          std::max(result->foreign_share, maskedShare(both) - maskedShare(mask));
-      result->masked_share = std::max(result->masked_share, maskedShare(both));
-      mask = both;
-    }
     try {
       image = map_->prepare(view.camera, view.image, mask, view.origin);
     } catch (const Error& e) {

@@ -42,7 +42,10 @@ void OdometryTrack::carry(const Pose& motion, double dt, double longest) {
 void OdometryTrack::wait(const Pose& increment, double dt) {
   waiting_ = normalized(waiting_ * increment);
   waiting_time_ += dt;
-  last_step_ = dt;
+  // In a longer step the clock has jumped, or the robot stood still for most of the time. Odometry
+  // has told how far it moved. The spread of kJump seconds is one from which images find the pose.
+  constexpr double kLongest = 60, kJump = 10;  // s
+  last_step_ = dt > kLongest ? kJump : dt;
   if (!since_update_) return;
   *since_update_ = normalized(*since_update_ * increment);
 }

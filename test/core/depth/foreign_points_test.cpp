@@ -62,6 +62,7 @@ TEST_F(ForeignPointsTest, AnExactImageOfTheModelHasNone) {
   const ForeignPoints found = foreignPoints(depthOf(model_), scene_, pose(), {}, kLeast);
   EXPECT_GT(found.compared, 15000u);
   EXPECT_TRUE(found.points.empty());
+  EXPECT_GT(found.of_model.size(), 0.95 * static_cast<double>(found.compared));
 }
 
 /// The person is compared with an image of the same room without it: a pixel whose depth differs
@@ -111,6 +112,35 @@ TEST_F(ForeignPointsTest, NoiseAndTheUncertaintyOfThePoseMakeNothingForeign) {
     wrong.mean = pose_ * expSe3(error);
     EXPECT_LT(share(foreignPoints(image, scene_, wrong, {}, kLeast)), 0.01) << "seed " << seed;
   }
+}
+
+/// The agreement tells a right pose from a wrong one, with a person in view and Kinect noise. Wrong
+/// poses are 0.3 to 1 m and 10 to 30 degrees off.
+TEST_F(ForeignPointsTest, TheAgreementTellsWhetherThePoseIsRight) {
+  MeshSoup soup;
+  test::addBox(&soup, {1.7f, 1.5f, 0}, {2.1f, 2.1f, 1.7f});
+  const cv::Mat person =
+      test::renderDepth(weldMesh(std::move(soup), 1e-6, "person"), camera_, pose_);
+  DepthImage image = depthOf(model_);
+  cv::Mat in_front;
+  cv::compare(person, 0, in_front, cv::CMP_GT);
+  person.copyTo(image.depth, in_front);
+  addNoise(1, &image.depth);
+  RandomSource random(2);
+  const PoseGaussian right = pose(0.02, 0.5 * M_PI / 180);
+  int wrong_but_agreeing = 0;
+  for (int i = 0; i < 100; ++i) {
+    PoseGaussian near = right, far = right;
+    Twist error;
+    for (int k = 0; k < 6; ++k) error[k] = std::sqrt(right.covariance(k, k)) * random.normal();
+    near.mean = pose_ * expSe3(error);
+    EXPECT_GT(foreignPoints(image, scene_, near, {}, kLeast).agreement, 0.95);
+    error.head<3>() = (0.3 + 0.7 * random.uniform()) * random.direction();
+    error.tail<3>() = (10 + 20 * random.uniform()) * M_PI / 180 * random.direction();
+    far.mean = pose_ * expSe3(error);
+    wrong_but_agreeing += foreignPoints(image, scene_, far, {}, kLeast).agreement > 0.9;
+  }
+  EXPECT_LE(wrong_but_agreeing, 2);
 }
 
 /// Single wrong pixels, and lines of them at the edges of surfaces, are no things.
@@ -176,7 +206,9 @@ TEST_F(ForeignPointsTest, AStepOfTheDepthBesideAPersonIsNotForeign) {
 TEST_F(ForeignPointsTest, WhatIsBehindTheModelIsNotForeign) {
   DepthImage image = depthOf(model_);
   image.depth *= 1.3F;
-  EXPECT_TRUE(foreignPoints(image, scene_, pose(), {}, kLeast).points.empty());
+  const ForeignPoints found = foreignPoints(image, scene_, pose(), {}, kLeast);
+  EXPECT_TRUE(found.points.empty());
+  EXPECT_LT(found.of_model.size(), 0.1 * static_cast<double>(found.compared));
 }
 
 TEST_F(ForeignPointsTest, BothKindsOfDepthImagesAndMissingDepthAreRead) {

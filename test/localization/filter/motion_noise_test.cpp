@@ -46,6 +46,12 @@ TEST(OdometryNoise, DoesNotDependOnTheRateOfImages) {
   EXPECT_LT((varianceOf(5) - varianceOf(50)).norm(), 1e-12);
 }
 
+/// After a clock that jumped the robot is still in its building.
+TEST(WalkNoise, ADayIsNoMoreThanTenSeconds) {
+  EXPECT_EQ(walkNoise({}, 86400), walkNoise({}, 10));
+  EXPECT_GT(walkNoise({}, 10)[0], walkNoise({}, 9)[0]);
+}
+
 TEST(OdometryNoise, VanishesWithoutTimeAndMotion) {
   EXPECT_EQ(odometryNoise({}, Pose::Identity(), 0), Vector6::Zero());
   EXPECT_GT(odometryNoise({}, Pose::Identity(), 0.1).minCoeff(), 0);

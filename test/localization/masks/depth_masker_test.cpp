@@ -54,8 +54,21 @@ TEST(DepthMasker, AnotherMaskIsKept) {
   EXPECT_EQ(cv::countNonZero(mask.colRange(400, 500)), 100 * 480);
   EXPECT_EQ(cv::countNonZero(mask.colRange(98, 199)), 101 * 480);
   EXPECT_EQ(cv::countNonZero(other), 100 * 480) << "the caller's mask was changed";
-  // Without foreign points, the mask itself.
+  // Without depth images, the mask itself.
   EXPECT_EQ(masker.add(0, {}, kCamera, Pose::Identity(), 0.8, other).data, other.data);
+}
+
+/// A network masks a cupboard and a person in front of it. Depth knows the cupboard of the model.
+TEST(DepthMasker, WhatIsOfTheModelIsTakenOutOfAnotherMask) {
+  DepthMasker masker;
+  DepthMasker::Foreign foreign = wall(100, 140);
+  foreign.points.of_model = wall(200, 300).points.points;
+  cv::Mat other = cv::Mat::zeros(480, 640, CV_8U);
+  other.colRange(80, 400).setTo(1);
+  const cv::Mat mask = masker.add(0, {foreign}, kCamera, Pose::Identity(), 0.8, other);
+  EXPECT_EQ(cv::countNonZero(mask.colRange(80, 190)), 110 * 480);
+  EXPECT_EQ(cv::countNonZero(mask.colRange(200, 296)), 0);
+  EXPECT_EQ(cv::countNonZero(mask.colRange(310, 400)), 90 * 480);  // depth says nothing there
 }
 
 /// Seen from a wrong pose, all of a sudden the building lies in front of the model.

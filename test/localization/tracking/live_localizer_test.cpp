@@ -275,6 +275,16 @@ TEST_F(LiveLocalizerTest, APoseThatWasJustGivenHoldsForTheSearchToo) {
     EXPECT_LT((cluster.pose.translation() - kView.translation()).norm(), 3);
 }
 
+/// A clock that jumps ahead by a day, with odometry that goes on, does not move the pose.
+TEST_F(LiveLocalizerTest, AClockThatJumpsADayAheadDoesNotMoveThePose) {
+  LiveLocalizer localizer = begun(alone());
+  for (int i = 0; i < 5; ++i) localizer.process(input(0.1 * i, here_));
+  const LiveResult result = localizer.process(input(86400, here_));
+  EXPECT_LT((result.estimate.mean.translation() - kView.translation()).norm(), 0.1);
+  for (int i = 1; i < 15; ++i) localizer.process(input(86400 + 0.1 * i, here_));
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+}
+
 /// Two equal cameras double the log-likelihood. The score per line stays the same.
 TEST_F(LiveLocalizerTest, TwoCamerasThatSeeTheSameMakeNoLineWorthMore) {
   for (const LikelihoodModel model : {LikelihoodModel::kRobust, LikelihoodModel::kPaper}) {
