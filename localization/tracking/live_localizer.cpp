@@ -194,7 +194,16 @@ bool LiveLocalizer::isUnusable(StampGuard::Verdict verdict, LiveResult* result) 
 bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
   const StampGuard::Verdict verdict = stamps_.judge(input.time, input.odometry.has_value());
   if (isUnusable(verdict, result)) return false;
-  if (verdict == StampGuard::Verdict::kJumpedBack) {
+  if (verdict == StampGuard::Verdict::kReturned && isInitialized()) {
+    // The robot has gone on meanwhile, and the pose with it. But all times belong to the other
+    // clock.
+    filter_.initialize(PoseGaussian(filter_.estimate()));
+    begin();
+    proof_.require(false);
+    result->restarted = true;
+    result->problem = "the clock came back from a jump; the pose is kept and needs proof";
+  } else if (verdict == StampGuard::Verdict::kJumpedBack ||
+             verdict == StampGuard::Verdict::kReturned) {
     // A recording is played again, or a simulation begins again. Then the robot is at the given
     // pose. But the recording may have been set back only a little, so the given pose needs proof.
     // A pose that the search has found meanwhile is not used: it belongs to another time.

@@ -10,6 +10,9 @@ namespace {
 
 /// Before two images have come in order, a camera is assumed to send 30 of them in a second.
 constexpr double kUsualInterval = 1.0 / 30;  // s
+/// A recording may pause for seconds. Without odometry a pause longer than this has lost the pose
+/// anyway, so one more image does no harm.
+constexpr double kPause = 10;  // s
 
 }  // namespace
 
@@ -20,6 +23,11 @@ StampGuard::Verdict StampGuard::judge(double stamp, bool is_known) {
       return late();
     case ClockStep::kJumpedBack:
       // A stamp before an unconfirmed one ahead does not come here, because that one was not used.
+      if (returnsFromJump(stamp)) {
+        jump_.reset();
+        return accepted(stamp, Verdict::kReturned);
+      }
+      jump_.reset();
       return accepted(stamp, Verdict::kJumpedBack);
     case ClockStep::kForward:
       break;
@@ -28,8 +36,14 @@ StampGuard::Verdict StampGuard::judge(double stamp, bool is_known) {
   // The mean forgets an interval after some five images.
   constexpr double kNew = 0.2;
   const double gap = stamp - *last_;
+  if (gap > kPause) jump_ = Jump{*last_, stamp};
   interval_ = interval_ > 0 ? (1 - kNew) * interval_ + kNew * gap : gap;
   return accepted(stamp, Verdict::kInOrder);
+}
+
+bool StampGuard::returnsFromJump(double stamp) const {
+  // As much time has passed before the jump as after it.
+  return jump_ && stamp > jump_->before && stamp < jump_->before + (*last_ - jump_->after) + kPause;
 }
 
 StampGuard::Verdict StampGuard::accepted(double stamp, Verdict verdict) {
@@ -47,9 +61,6 @@ StampGuard::Verdict StampGuard::late() {
 }
 
 bool StampGuard::isTooFarAhead(double stamp, bool is_known) {
-  // A recording may pause for seconds. Without odometry a pause longer than this has lost the pose
-  // anyway, so one more image does no harm.
-  constexpr double kPause = 10;  // s
   constexpr double kUsual = 10;  // usual intervals, for cameras that send few images
   const double gap = stamp - *last_;
   const double limit = std::max(kPause, kUsual * interval_);

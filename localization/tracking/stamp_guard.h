@@ -14,6 +14,7 @@ class StampGuard {
     kLate,         ///< not later than the one before; the image came late
     kStandsStill,  ///< the stamps have not advanced for a while
     kJumpedBack,   ///< the clock was set back
+    kReturned,     ///< the clock came back to the time from which it had jumped ahead
     kAhead         ///< so far ahead that another image must confirm it
   };
 
@@ -28,6 +29,13 @@ class StampGuard {
   Verdict late();
   bool isTooFarAhead(double stamp, bool is_known);
 
+  /// A jump of the clock ahead, s.
+  struct Jump {
+    double before, after;
+  };
+  bool returnsFromJump(double stamp) const;
+
+  std::optional<Jump> jump_;     // newest jump ahead
   std::optional<double> last_;   // stamp that was accepted last, s
   std::optional<double> ahead_;  // stamp that waits for confirmation, s
   double interval_ = 0;          // usual time between images, s; 0: not known

@@ -285,6 +285,25 @@ TEST_F(LiveLocalizerTest, AClockThatJumpsADayAheadDoesNotMoveThePose) {
   EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
 }
 
+/// The clock is wrong for a second. The pose is kept, and needs a new proof.
+TEST_F(LiveLocalizerTest, AClockThatComesBackFromAJumpKeepsThePose) {
+  LiveLocalizer localizer = begun(alone());
+  double time = 0;
+  const auto process = [&](double shift) {
+    time += 0.1;
+    return localizer.process(input(time + shift, here_));
+  };
+  for (int i = 0; i < 5; ++i) process(0);
+  for (int i = 0; i < 10; ++i) process(86400);
+  LiveResult result = process(0);
+  EXPECT_TRUE(result.restarted);
+  for (int i = 0; i < 15; ++i) {
+    result = process(0);
+    EXPECT_LT((result.estimate.mean.translation() - kView.translation()).norm(), 0.1);
+  }
+  EXPECT_EQ(localizer.state(), LocalizerState::kTracking);
+}
+
 /// Two equal cameras double the log-likelihood. The score per line stays the same.
 TEST_F(LiveLocalizerTest, TwoCamerasThatSeeTheSameMakeNoLineWorthMore) {
   for (const LikelihoodModel model : {LikelihoodModel::kRobust, LikelihoodModel::kPaper}) {

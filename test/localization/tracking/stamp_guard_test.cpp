@@ -64,6 +64,19 @@ TEST(StampGuard, PhotographsEveryMinuteAreUsed) {
   EXPECT_EQ(used, 19);  // the first interval needs a second image
 }
 
+/// A clock that is corrected and corrected back has not moved the robot.
+TEST(StampGuard, AClockThatReturnsFromAJumpIsTold) {
+  StampGuard guard = running();
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(guard.judge(86400 + 0.1 * i, true), Verdict::kInOrder);
+  EXPECT_EQ(guard.judge(3.1, true), Verdict::kReturned);
+  EXPECT_EQ(guard.judge(3.2, true), Verdict::kInOrder);
+  EXPECT_EQ(guard.judge(-5, true), Verdict::kJumpedBack);
+  // A recording that is played again begins before the jump.
+  StampGuard again = running();
+  again.judge(86400, true);
+  EXPECT_EQ(again.judge(0, true), Verdict::kJumpedBack);
+}
+
 TEST(StampGuard, AClockThatIsSetBackBeginsAgain) {
   StampGuard guard = running();
   EXPECT_EQ(guard.judge(-5, false), Verdict::kJumpedBack);
