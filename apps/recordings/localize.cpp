@@ -1,6 +1,7 @@
 // edge-mcl localize: a recording and a model in, a trajectory with covariance out.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -47,9 +48,14 @@ void writeOverlay(const LocalizeOptions& o, const RecordedLocalizer& localizer,
 /// Writes the masks that were used, in the form that `--masks` reads.
 class MaskWriter {
  public:
-  /// @param folder empty: nothing is written
-  explicit MaskWriter(const std::string& folder) : folder_(folder) {
+  /// @throws ParameterError when masks that are read would be overwritten. InputError
+  explicit MaskWriter(const LocalizeOptions& o) : folder_(o.masks_out) {
+    const std::string& folder = folder_;
     if (folder.empty()) return;
+    std::error_code ignored;
+    for (const std::string& read : {o.recording, o.masks})
+      if (!read.empty() && std::filesystem::equivalent(folder, read, ignored))
+        throw ParameterError("--masks-out " + folder + ": would overwrite masks that are read");
     makeDirectory(folder + "/mask");
     list_.open(folder + "/mask.txt");
     list_ << "# masks used by edge-mcl localize, with their margin: timestamp filename"
@@ -79,7 +85,7 @@ void localizeAll(const LocalizeOptions& o, const OpenedRecording& opened,
   out << "# " << opened.trajectory_pose
       << " by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
   if (!o.overlay.empty()) makeDirectory(o.overlay);
-  MaskWriter masks(o.masks_out);
+  MaskWriter masks(o);
   std::string last_problem;
   ProgressBar bar(opened.name, localizer->recording().imageCount());
   while (localizer->next()) {
