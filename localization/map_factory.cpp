@@ -41,6 +41,8 @@ void chooseBackend(LocalizationMap* map, const DeviceFactory& make_device) {
 
 std::shared_ptr<LocalizationMap> makeMap(const std::string& model_file, const Parameters& params) {
   auto map = std::make_shared<LocalizationMap>(model_file, params);
+  if (params.tracking.mask_by_depth && !map->visibility().scene())
+    throw InputError(model_file + ": masks by depth need surfaces, but the model has no faces");
   chooseBackend(map.get());
   return map;
 }

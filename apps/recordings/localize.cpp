@@ -54,8 +54,9 @@ class MaskWriter {
     if (folder.empty()) return;
     std::error_code ignored;
     for (const std::string& read : {o.recording, o.masks})
-      if (!read.empty() && std::filesystem::equivalent(folder, read, ignored))
-        throw ParameterError("--masks-out " + folder + ": would overwrite masks that are read");
+      for (const char* part : {"", "/mask", "/mask.txt"})
+        if (!read.empty() && std::filesystem::equivalent(folder + part, read + part, ignored))
+          throw ParameterError("--masks-out " + folder + ": would overwrite masks that are read");
     makeDirectory(folder + "/mask");
     list_.open(folder + "/mask.txt");
     list_ << "# masks used by edge-mcl localize, with their margin: timestamp filename"
@@ -82,8 +83,12 @@ void localizeAll(const LocalizeOptions& o, const OpenedRecording& opened,
                  RecordedLocalizer* localizer, LocalizeReport* report) {
   std::ofstream out(o.out);
   if (!out) throw InputError(o.out + ": cannot be written");
-  out << "# " << opened.trajectory_pose
-      << " by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
+  const bool is_euroc = std::filesystem::path(o.out).extension() == ".csv";
+  if (is_euroc)
+    out << kEurocColumns << '\n';
+  else
+    out << "# " << opened.trajectory_pose
+        << " by edge-mcl localize: timestamp tx ty tz qx qy qz qw\n";
   if (!o.overlay.empty()) makeDirectory(o.overlay);
   MaskWriter masks(o);
   std::string last_problem;
@@ -101,7 +106,7 @@ void localizeAll(const LocalizeOptions& o, const OpenedRecording& opened,
     if (localizer->localizer().isInitialized()) {
       Pose pose = r.estimate.mean;
       pose.translation() += opened.origin;
-      out << formatPose(time_text, pose) << std::endl;
+      out << (is_euroc ? formatEurocPose : formatPose)(time_text, pose) << std::endl;
     }
     if (!out) throw InputError(o.out + ": cannot be written (disk full?)");
     writeOverlay(o, *localizer, time_text);
@@ -145,7 +150,9 @@ void addLocalize(CLI::App* app, Action* action) {
   CLI::App* c = app->add_subcommand(
       "localize", "localize a recorded sequence, a ROS bag or a rawlog in its 3D model");
   o->addTo(c);
-  c->add_option("--out", o->out, "trajectory to write (TUM format)");
+  c->add_option(
+      "--out", o->out,
+      "trajectory to write: in TUM's format, or as FILE.csv in EuRoC's; default: est.txt");
   c->add_option("--stats", o->stats, "JSON file with states, times and covariance per image");
   c->add_option("--overlay", o->overlay,
                 "directory for pictures: model edges green, image edges blue, normals red");

@@ -85,6 +85,12 @@ void LocalizeReport::add(const RecordedLocalizer& localizer, const std::string& 
   // An image that is skipped because the robot rests has no problem.
   if (!r.updated && !r.problem.empty()) ++unusable_;
   if (r.late) return;
+  if (r.foreign_agreement >= 0) {
+    constexpr double kAgrees = 0.7;  // as in LiveLocalizer
+    ++with_foreign_;
+    agreeing_ += r.foreign_agreement >= kAgrees ? 1 : 0;
+    foreign_share_ += r.foreign_share;
+  }
   image_times_.push_back(input.time);
   ++states_[nameOf(r.state)];
   if (localizer.localizer().isInitialized())
@@ -111,6 +117,11 @@ nlohmann::json LocalizeReport::summary(const OpenedRecording& opened,
                          {"trajectory", opened.trajectory_pose},
                          {"update_ms_median", timing.median},
                          {"update_ms_p90", timing.p90}};
+  if (params.tracking.mask_by_depth)
+    summary["masks_by_depth"] = {
+        {"images", with_foreign_},
+        {"agreeing", agreeing_},
+        {"mean_share", foreign_share_ / static_cast<double>(std::max<size_t>(1, with_foreign_))}};
   const TrajectoryErrors errors = evaluateTrajectory(estimate_, recording.truth());
   if (errors.matched == 0) return summary;
   // Ground truth often has a rate of its own, so the share is that of images with ground truth,
@@ -134,6 +145,19 @@ std::string textOfSummary(const nlohmann::json& s) {
                 s["unusable_images"].get<size_t>(), s["particles"].get<int>(),
                 s["backend"].get<std::string>().c_str(), s["update_ms_median"].get<double>());
   std::string text = line;
+  if (s.contains("masks_by_depth")) {
+    const nlohmann::json& m = s["masks_by_depth"];
+    const auto images = m["images"].get<size_t>(), agreeing = m["agreeing"].get<size_t>();
+    std::snprintf(
+        line, sizeof line,
+        "masks by depth: depth lies on the model in %zu of %zu images; mean share %.1f %%\n",
+        agreeing, images, 100 * m["mean_share"].get<double>());
+    text += line;
+    if (2 * agreeing < images || images == 0)
+      text +=
+          "  Depth and model seldom agree: check depth_scale, the mounting of the depth camera, "
+          "and the pose.\n";
+  }
   text += "states:";
   for (const auto& [state, count] : s["states"].items())
     text += " " + state + " " + std::to_string(count.get<size_t>());

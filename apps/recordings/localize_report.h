@@ -33,6 +33,9 @@ class LocalizeReport {
   std::map<std::string, size_t> states_;
   std::vector<double> update_ms_, image_times_;
   size_t unusable_ = 0, with_odometry_ = 0;
+  // Images with masks by depth, those of them whose depth agrees with the model, sum of the shares.
+  size_t with_foreign_ = 0, agreeing_ = 0;
+  double foreign_share_ = 0;
 };
 
 /// The summary as text for the terminal, several lines.

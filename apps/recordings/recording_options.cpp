@@ -115,6 +115,7 @@ RecordingKind kindOf(const std::string& recording) {
 Parameters parametersOf(const RecordingOptions& options) {
   Parameters params = options.parameters.load();
   if (options.masksAreOfDepth()) params.tracking.mask_by_depth = true;
+  if (options.no_mask) params.tracking.mask_by_depth = false;
   if (options.depth && params.likelihood.cues == Cues::kEdges) params.likelihood.cues = Cues::kBoth;
   return params;
 }
@@ -227,7 +228,9 @@ void openDirectory(const RecordingOptions& o, const Parameters& params, bool eve
     throw InputError(o.recording + ": the directory has no model.obj; name the model with --model");
   const bool needs_depth = neededImages(params) != Cues::kEdges;
   if (needs_depth && sequence.depths.empty())
-    throw InputError(o.recording + ": depth asked for, but the directory has no depth.txt");
+    throw InputError(
+        o.recording +
+        ": depth asked for (--depth, or masks by depth), but the directory has no depth.txt");
   const SequenceParts parts{everything || params.likelihood.cues != Cues::kDepth, o.usesOwnMasks(),
                             everything || needs_depth};
   opened->input = std::make_unique<SequenceInput>(std::move(sequence), parts);

@@ -67,14 +67,14 @@ class ExpectedDepth {
     return {1 / static_cast<double>(nearest), 1 / static_cast<double>(farthest), 0};
   }
 
-  /// Whether the model has a surface up to a depth (m) within some pixels around a pixel.
-  bool hasSurfaceNear(int x, int y, double pixels, double depth) const {
-    const int reach = 1 + static_cast<int>(pixels) / step_, column = x / step_, row = y / step_;
-    const auto limit = static_cast<float>(1 / depth);
+  /// Whether the model has a surface between two depths (m) within some pixels around a pixel.
+  bool hasSurfaceNear(int x, int y, double pixels, double nearest, double farthest) const {
+    const int reach = static_cast<int>(pixels) / step_, column = x / step_, row = y / step_;
+    const auto least = static_cast<float>(1 / farthest), most = static_cast<float>(1 / nearest);
     for (int r = std::max(0, row - reach); r <= std::min(rows_ - 1, row + 1 + reach); ++r)
       for (int q = std::max(0, column - reach); q <= std::min(columns_ - 1, column + 1 + reach);
            ++q)
-        if (inverse_[index(q, r)] >= limit) return true;
+        if (inverse_[index(q, r)] >= least && inverse_[index(q, r)] <= most) return true;
     return false;
   }
 
@@ -173,7 +173,8 @@ ForeignPoints foreignPoints(const DepthImage& image, const RayScene& scene,
       // A surface at the depth of this pixel moves farther in the image than one behind it.
       const double moved = kSigmas * focal * (turn + position / depth);
       if (depth < model.nearest - least - reach &&
-          !expected.hasSurfaceNear(column * step, row * step, moved, depth + least + reach))
+          !expected.hasSurfaceNear(column * step, row * step, moved,
+                                   std::max(0.01, depth - least - reach), depth + least + reach))
         foreign.at<uint8_t>(row, column) = 255;
       else if (std::min(std::abs(depth - model.nearest), std::abs(depth - model.farthest)) <
                least / 2 + reach)

@@ -158,6 +158,28 @@ std::string formatPose(const std::string& time_text, const Pose& pose) {
   return out.str();
 }
 
+const char* const kEurocColumns =
+    "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z "
+    "[]";
+
+std::string formatEurocPose(const std::string& time_text, const Pose& pose) {
+  constexpr size_t kDigits = 9;  // of a nanosecond
+  std::string time = time_text;
+  if (time.find_first_not_of("0123456789.") == std::string::npos) {
+    const size_t point = std::min(time.find('.'), time.size());
+    std::string fraction = time.substr(std::min(point + 1, time.size()), kDigits);
+    fraction.resize(kDigits, '0');
+    time = time.substr(0, point) + fraction;
+    time.erase(0, std::min(time.find_first_not_of('0'), time.size() - 1));
+  }
+  const Eigen::Quaterniond q(pose.linear());
+  const Eigen::Vector3d t = pose.translation();
+  std::ostringstream out;
+  out << time << std::fixed << std::setprecision(9) << ',' << t.x() << ',' << t.y() << ',' << t.z()
+      << ',' << q.w() << ',' << q.x() << ',' << q.y() << ',' << q.z();
+  return out.str();
+}
+
 std::vector<StampedFile> readFileList(const std::string& file) {
   std::vector<StampedFile> list;
   forEachLine(file, [&](int number, const std::vector<std::string>& fields) {

@@ -25,6 +25,11 @@ Trajectory readTrajectory(const std::string& file);
 
 /// Formats one line of a TUM trajectory, without newline.
 std::string formatPose(const std::string& time_text, const Pose& pose);
+/// First line of a trajectory in EuRoC's layout.
+extern const char* const kEurocColumns;
+/// Formats one line of it, without newline: nanoseconds, position, quaternion w first.
+/// @param time_text seconds, as digits with an optional point. Other texts stay as they are.
+std::string formatEurocPose(const std::string& time_text, const Pose& pose);
 
 /// A stamp in seconds. Stamps in smaller units since 1970 become seconds, in the text as well.
 /// @param where named in errors. @throws InputError when the text is not a number

@@ -7,8 +7,6 @@
 #include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/localization/filter/motion_noise.h"
-#include "edge_mcl/localization/search/background_search.h"
-#include "edge_mcl/localization/search/global_localizer.h"
 #include "edge_mcl/localization/search/image_contours.h"
 #include "edge_mcl/localization/search/pose_tolerances.h"
 
@@ -70,84 +68,6 @@ void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
   depth_masker_.forget();
   map_ = std::move(map);
   if (searching_) beginSearch(false);
-}
-
-void LiveLocalizer::makeFinder() {
-  const uint64_t seed = map_->params().filter.seed * 7919 + 17;
-  if (!finder_ && search_in_background_)
-    finder_ = std::make_unique<BackgroundSearch>(*map_, seed);
-  else if (!finder_)
-    finder_ = std::make_unique<GlobalLocalizer>(*map_, seed);
-}
-
-void LiveLocalizer::prepareSearch() {
-  if (search_in_background_) makeFinder();
-}
-
-void LiveLocalizer::beginSearch(bool only_around) {
-  makeFinder();
-  // When there is a pose, even a lost one, the search tries poses around it as well.
-  if (initial_)
-    finder_->begin(filter_.estimate(), only_around);
-  else
-    finder_->begin();
-  searching_ = true;
-  only_around_ = only_around;
-}
-
-void LiveLocalizer::forgetPose() {
-  initial_.reset();
-  given_.reset();
-  states_.forgetPose();
-  odometry_of_update_.reset();
-}
-
-void LiveLocalizer::searchEverywhere() {
-  forgetPose();
-  beginSearch(false);
-}
-
-void LiveLocalizer::searchAround(const PoseGaussian& guess) {
-  forgetPose();
-  makeFinder();
-  finder_->begin(guess, true);
-  searching_ = only_around_ = true;
-}
-
-void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>& views,
-                           LiveResult* result) {
-  const SearchReport report = finder_->process(views, input.up);
-  result->clusters = report.clusters;
-  result->next_view = report.next_view;
-  result->search_keyframes = report.keyframes;
-  result->search_ms = report.total_ms;
-  result->updated = true;
-  // A pose that is not found around the guess so soon is somewhere else.
-  constexpr int kAroundGuess = 8;  // keyframes
-  if (only_around_ && !isInitialized() && !report.converged && report.keyframes >= kAroundGuess)
-    beginSearch(false);
-  if (!report.keyframe || !(report.converged || agreesWith(report))) return;
-  filter_.initialize(report.estimate);
-  if (report.velocity) filter_.setVelocity(*report.velocity);
-  begin();
-  probability_.begin(!report.stale);
-  if (report.stale) proof_.require(false);
-  fresh_ = false;  // the pose belongs to this moment
-  states_.excuse(input.time);
-  result->relocalized = true;
-  // The search has just explained these images. The filter uses them for its own covariance.
-  useImages(views, result);
-  if (addToProof(input.time, result)) judge(input.time, true, true);
-}
-
-bool LiveLocalizer::agreesWith(const SearchReport& report) const {
-  // Search and filter begin at different poses and reach their results in different ways. It is not
-  // to be expected that both end at the same wrong pose, which explains several keyframes as no
-  // other hypothesis does.
-  constexpr int kKeyframes = 3, kImages = 3;
-  return report.convincing && report.keyframes >= kKeyframes && isInitialized() &&
-         proof_.confirmations() >= kImages &&
-         isNear(report.estimate.mean, filter_.estimate().mean, kSamePose);
 }
 
 bool LiveLocalizer::addToProof(double time, LiveResult* result) {
@@ -248,6 +168,7 @@ PoseGaussian LiveLocalizer::presentPose() const {
 }
 
 void LiveLocalizer::predict(const OdometryStep& step) {
+  is_blind_ = false;
   if (searching_) finder_->move({step.pose, step.sigma.cwiseAbs2(), step.time, 0});
   if (!initial_) return;
   filter_.setOdometryNoiseFactor(step.noise_factor);
@@ -257,11 +178,16 @@ void LiveLocalizer::predict(const OdometryStep& step) {
 
 void LiveLocalizer::predictBlindly(double dt) {
   odometry_.interrupt();
+  is_blind_ = true;
   const FilterParameters& p = map_->params().filter;
   if (searching_) finder_->move(BaseMotion::of(p, std::nullopt, dt));
   if (!initial_) return;
   const Pose before = filter_.estimate().mean;
-  filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap), dt);
+  // After so long the clock has jumped, or the robot may be anywhere. It is looked for where it
+  // was.
+  constexpr double kPause = 10, kNear = 0.3;  // s
+  if (dt > kPause) filter_.setVelocity(Twist::Zero());
+  filter_.predictWithoutOdometry(dt > kPause ? kNear : std::min(dt, tracking_.max_gap), dt);
   // The constant-velocity model moves the expected pose, too.
   proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
 }

