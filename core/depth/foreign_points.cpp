@@ -69,7 +69,9 @@ class ExpectedDepth {
 
   /// Whether the model has a surface between two depths (m) within some pixels around a pixel.
   bool hasSurfaceNear(int x, int y, double pixels, double nearest, double farthest) const {
-    const int reach = static_cast<int>(pixels) / step_, column = x / step_, row = y / step_;
+    constexpr int kMost = 2;  // nodes; a strip that is wider is no edge that moved a little
+    const int reach = std::min(kMost, static_cast<int>(pixels) / step_), column = x / step_,
+              row = y / step_;
     const auto least = static_cast<float>(1 / farthest), most = static_cast<float>(1 / nearest);
     for (int r = std::max(0, row - reach); r <= std::min(rows_ - 1, row + 1 + reach); ++r)
       for (int q = std::max(0, column - reach); q <= std::min(columns_ - 1, column + 1 + reach);
@@ -144,7 +146,7 @@ std::vector<Eigen::Vector3f> pointsOf(const DepthImage& image, const cv::Mat& ch
 
 ForeignPoints foreignPoints(const DepthImage& image, const RayScene& scene,
                             const PoseGaussian& T_map_depth, const DepthParameters& params,
-                            double least) {
+                            double least, bool lists_model) {
   checkDepth(image);
   const CameraModel& camera = image.camera;
   const int step = std::max(1, camera.width / kAcross);
@@ -184,7 +186,7 @@ ForeignPoints foreignPoints(const DepthImage& image, const RayScene& scene,
   if (others > 0) result.agreement = cv::countNonZero(of_model) / static_cast<double>(others);
   removeThin(&foreign);
   result.points = pointsOf(image, foreign, step);
-  result.of_model = pointsOf(image, of_model, step);
+  if (lists_model) result.of_model = pointsOf(image, of_model, step);
   return result;
 }
 

@@ -45,7 +45,8 @@ Cues neededImages(const Parameters& params) {
 }
 
 DepthMasker::Foreign DepthMasker::find(const LocalizationMap& map, const DepthImage& image,
-                                       const PoseGaussian& T_map_base, const Pose& T_base_depth) {
+                                       const PoseGaussian& T_map_base, const Pose& T_base_depth,
+                                       bool lists_model) {
   Foreign foreign;
   foreign.T_base_depth = T_base_depth;
   foreign.focal_length = std::max(image.camera.fx, image.camera.fy);
@@ -56,7 +57,7 @@ DepthMasker::Foreign DepthMasker::find(const LocalizationMap& map, const DepthIm
   const Matrix6 to_depth = adjoint(T_base_depth.inverse());
   T_map_depth.covariance = to_depth * T_map_base.covariance * to_depth.transpose();
   foreign.points = foreignPoints(image, *scene, T_map_depth, map.params().depth,
-                                 map.params().tracking.mask_by_depth_from);
+                                 map.params().tracking.mask_by_depth_from, lists_model);
   return foreign;
 }
 

@@ -30,9 +30,11 @@ class DepthMasker {
 
   /// Finds the foreign points of a depth image. They are none when the model has no faces.
   /// @param T_map_base expected pose with its covariance. @param T_base_depth extrinsics.
+  /// @param lists_model whether what is of the model is listed, for other masks.
   /// @throws InputError when the depth image cannot be used.
   static Foreign find(const LocalizationMap& map, const DepthImage& image,
-                      const PoseGaussian& T_map_base, const Pose& T_base_depth);
+                      const PoseGaussian& T_map_base, const Pose& T_base_depth,
+                      bool lists_model = true);
 
   /// Adds foreign points to the mask of an image, and takes what is of the model out of it: a
   /// network may take a cupboard of the model for something that moves.

@@ -65,9 +65,11 @@ std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& i
     return foreign;
   }
   const bool is_likely = state() == LocalizerState::kTracking && probability_.value() >= kLikely;
+  const bool has_masks = std::any_of(input.images.begin(), input.images.end(),
+                                     [](const auto& view) { return !view.mask.empty(); });
   for (const LiveInput::Depth& depth : input.depths) try {
       DepthMasker::Foreign found =
-          DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera);
+          DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera, has_masks);
       const double agreement = found.points.agreement;
       result->foreign_agreement = std::max(result->foreign_agreement, agreement);
       if (agreement >= (is_likely ? kLeastAgreement : kAgreement))
