@@ -82,6 +82,7 @@ TEST_F(DepthMasksInFlight, ThePersonIsMaskedAndNothingElse) {
 /// From a wrong pose the building is in front of the model. It must not be masked.
 TEST_F(DepthMasksInFlight, AWrongPoseMasksNothing) {
   LiveLocalizer localizer = this->localizer();
+  int wrong_images = 0;
   for (size_t i = 0; i < 30; ++i) {
     const LiveInput input = next();
     if (i == 0) {
@@ -93,8 +94,10 @@ TEST_F(DepthMasksInFlight, AWrongPoseMasksNothing) {
     const LiveResult result = localizer.process(input);
     if (!test::isRight(result.estimate.mean, *frame_.truth)) {
       EXPECT_EQ(result.foreign_share, 0);
+      ++wrong_images;
     }
   }
+  EXPECT_GT(wrong_images, 3) << "the pose was not wrong for long enough to tell";
 }
 
 /// A depth image that cannot be used is told. Localization goes on without masks.
