@@ -86,9 +86,8 @@ void LocalizeReport::add(const RecordedLocalizer& localizer, const std::string& 
   if (!r.updated && !r.problem.empty()) ++unusable_;
   if (r.late) return;
   if (r.foreign_agreement >= 0) {
-    constexpr double kAgrees = 0.7;  // as in LiveLocalizer
     ++with_foreign_;
-    agreeing_ += r.foreign_agreement >= kAgrees ? 1 : 0;
+    agreeing_ += r.depth_agrees ? 1 : 0;
     foreign_share_ += r.foreign_share;
   }
   image_times_.push_back(input.time);

@@ -121,7 +121,8 @@ struct TrackingParameters {
     v("lift_mask", lift_mask, "", anyValue(),
       "while tracking, the mask is removed along model edges that the images show under it");
     v("mask_by_depth", mask_by_depth, "", anyValue(),
-      "while tracking, what a depth camera sees in front of the model is masked in the images");
+      "while the pose is likely, what a depth camera sees in front of the model is masked in the "
+      "images");
     v("mask_by_depth_from", mask_by_depth_from, "m", positive(),
       "smallest distance of such a thing from the model; depth noise and the uncertainty of the "
       "pose are added");

@@ -66,7 +66,8 @@ struct LiveResult {
   /// Share of the depth that lies on the model, without what is in front of it; the largest of all
   /// sensors. -1: no mask by depth was tried.
   double foreign_agreement = -1;
-  double foreign_ms = 0;                  ///< time for masks by depth, ms
+  bool depth_agrees = false;  ///< foreign_agreement is enough for masks at a likely pose
+  double foreign_ms = 0;      ///< time for masks by depth, ms
   std::optional<double> look_alike_odds;  ///< see LookAlikeWatch::Result
   std::optional<Pose> look_alike;         ///< T_map_base, a pose that fits better
   double match_ratio = 0;  ///< share of the visible samples with an image edge in reach

@@ -72,11 +72,13 @@ std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& i
           DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera, has_masks);
       const double agreement = found.points.agreement;
       result->foreign_agreement = std::max(result->foreign_agreement, agreement);
+      result->depth_agrees = result->foreign_agreement >= kLeastAgreement;
       if (agreement >= (is_likely ? kLeastAgreement : kAgreement))
         foreign.push_back(std::move(found));
     } catch (const InputError& e) {
       *problem = e.what();
     }
+  if (foreign.empty()) depth_masker_.forget();  // masks begin anew, and small
   return foreign;
 }
 
