@@ -115,9 +115,6 @@ void GlobalLocalizer::follow(const SearchViews& seen) {
     Hypothesis& h = hypotheses_[i];
     h.expected = predicted(h.newest, since_look_.step, since_look_.variance);
     h.newest = followed(seen, h.expected);
-    h.velocity.reset();
-    if (since_look_.blind > 0 && since_look_.elapsed > 0)
-      h.velocity = logSe3(h.pose.inverse() * h.newest.pose) / since_look_.elapsed;
     h.pose = h.newest.pose;
   });
   since_look_ = {};
@@ -161,7 +158,6 @@ const SearchReport& GlobalLocalizer::reportBetween() {
     report_.estimate.mean = Pose::Identity();
   } else {
     report_.estimate.mean = normalized(hypotheses_.front().pose * since_look_.step);
-    report_.velocity = hypotheses_.front().velocity;
   }
   return report_;
 }

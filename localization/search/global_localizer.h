@@ -49,7 +49,6 @@ class GlobalLocalizer : public PoseFinder {
     std::deque<FoundPose> history;  ///< pose and scores at every keyframe, newest last
     double total = 0;               ///< sum of the log-likelihoods, nats
     int followed = 0;               ///< number of keyframes since it was found
-    std::optional<Twist> velocity;  ///< see SearchReport; set when followed without odometry
     FoundPose newest;               ///< at the newest keyframe or glance
     PoseGaussian expected;          ///< `newest` as predicted without its images; set when followed
     bool repeated = false;          ///< its look-alikes have been tried
@@ -87,6 +86,8 @@ class GlobalLocalizer : public PoseFinder {
   std::vector<Eigen::Matrix3d> rotations() const;
   /// Follows a pose of the newest keyframe backwards through all keyframes.
   Hypothesis backwards(const FoundPose& found) const;
+  /// Velocity of a hypothesis in the frame of the base, m/s and rad/s. None with odometry.
+  std::optional<Twist> velocityOf(const Hypothesis& h) const;
   /// Follows the best hypotheses backwards again and keeps better scores.
   void smooth();
   /// Sorts the hypotheses, best first.

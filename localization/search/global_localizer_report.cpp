@@ -88,6 +88,24 @@ void GlobalLocalizer::addNextView(SearchReport* report) const {
   report->next_view = nextView(map_, keyframes_.back().seen.views, places[0].pose, places[1].pose);
 }
 
+std::optional<Twist> GlobalLocalizer::velocityOf(const Hypothesis& h) const {
+  // A hypothesis that was found beside the true pose moves onto it, and this is no motion of the
+  // robot. So its newest pose is followed backwards, where it has to jump as little. Over a longer
+  // time the velocity changes.
+  constexpr double kLongest = 0.3;  // s
+  FoundPose before = h.newest;
+  double elapsed = 0;
+  for (size_t k = keyframes_.size() - 1; k > 0; --k) {
+    const BaseMotion& since = keyframes_[k].since;
+    if (since.blind <= 0 || (elapsed > 0 && elapsed + since.elapsed > kLongest)) break;
+    before =
+        followed(keyframes_[k - 1].seen, predicted(before, since.step.inverse(), since.variance));
+    elapsed += since.elapsed;
+  }
+  if (!(elapsed > 0)) return std::nullopt;
+  return logSe3(before.pose.inverse() * h.pose) / elapsed;
+}
+
 SearchReport GlobalLocalizer::judge() const {
   SearchReport report;
   report.keyframes = keyframe_count_;
@@ -97,12 +115,12 @@ SearchReport GlobalLocalizer::judge() const {
   report.margin = best.total - addClusters(&report);
   const Support support = addMeans(best, &report);
   report.estimate.mean = best.pose;
-  report.velocity = best.velocity;
   report.estimate.covariance = best.history.back().covariance;
   addVariance(kSearchFloor, &report.estimate);
   const double needed_margin = neededMargin(report, support);
   report.convincing =
       isExplained(report, support) && report.margin >= needed_margin && !hasRival(needed_margin);
+  report.velocity = velocityOf(best);
   // A new hypothesis was chosen because it fits. Only later images can contradict it.
   constexpr int kFollowed = 2;  // keyframes
   report.converged = report.convincing && keyframe_count_ >= map_.params().search.min_keyframes &&

@@ -30,8 +30,8 @@ struct SearchReport {
   /// pose then needs further proof.
   bool stale = false;
   PoseGaussian estimate;  ///< best hypothesis, at this image; identity if there is none
-  /// Velocity of the best hypothesis in the frame of the base, m/s and rad/s, as the newest two
-  /// images tell. Only without odometry.
+  /// Velocity of the best hypothesis in the frame of the base at the newest keyframe, m/s and
+  /// rad/s. Only without odometry.
   std::optional<Twist> velocity;
   std::vector<PoseCluster> clusters;  ///< different places, best first, at most ten
   /// The view that tells the two best places apart. None when one place is much more likely, or

@@ -1,9 +1,11 @@
 // Searches that begin with little: no odometry, or a rough guess.
 #include <gtest/gtest.h>
 
+#include "edge_mcl/localization/search/global_localizer.h"
 #include "edge_mcl/localization/tracking/live_localizer.h"
 #include "edge_mcl/sim/simulator.h"
 #include "support/flight_input.h"
+#include "support/map_views.h"
 #include "support/search_setup.h"
 
 namespace edge_mcl {
@@ -72,6 +74,35 @@ TEST(Search, ARoughGuessIsSearchedThereFirst) {
     EXPECT_GT(found, 0u);
     EXPECT_LE(found, is_right ? 20u : 60u);
   }
+}
+
+/// The robot rests, and its first image is dark. So hypotheses stay beside the pose until the
+/// second image moves them onto it, which is no motion of the robot. A refined pose is right to
+/// about a centimetre, which is 0.02 m/s over the time between the images. The guesses are 0.3 m
+/// off, which would be 0.6 m/s.
+TEST(Search, AHypothesisThatMovesOntoThePoseHasNoVelocity) {
+  constexpr double kMost = 0.1;   // m/s
+  constexpr double kEvery = 0.5;  // s
+  const Parameters params = quickSearch();
+  const LocalizationMap map(test::furnishedRooms(), params);
+  const std::vector<CameraView> dark{test::darkView(map)}, lit{test::viewInRoom(map)};
+  RandomSource random(5);
+  int told = 0;
+  for (int start = 0; start < 3; ++start) {
+    PoseGaussian guess;
+    guess.mean = test::roomView();
+    guess.mean.translation() += 0.3 * random.direction();
+    guess.covariance.diagonal() << 0.04, 0.04, 0.04, 0.003, 0.003, 0.003;
+    GlobalLocalizer search(map, 7 + start);
+    search.begin(guess, true);
+    search.process(dark, std::nullopt);
+    search.move(BaseMotion::of(params.filter, std::nullopt, kEvery));
+    const SearchReport report = search.process(lit, std::nullopt);
+    if (!report.velocity) continue;
+    ++told;
+    EXPECT_LT(report.velocity->head<3>().norm(), kMost) << "start " << start;
+  }
+  EXPECT_GT(told, 0);
 }
 
 }  // namespace
