@@ -336,6 +336,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
       odometry_.update(result->report, trusted && state() == LocalizerState::kTracking);
     if (result->look_alike) return jumpTo(*result->look_alike, result);
     learnUnderMasks(input, result->updated);
+    checkDistortion(input, result);
     if (trusted) searching_ = false;
     if (state() == LocalizerState::kLost) {
       const bool contradicted =

@@ -1,6 +1,7 @@
 /// Localizes a robot from moment to moment, and reports in a state how far its pose can be trusted.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "edge_mcl/localization/masks/depth_masker.h"
 #include "edge_mcl/localization/masks/mask_lifter.h"
 #include "edge_mcl/localization/search/pose_finder.h"
+#include "edge_mcl/localization/tracking/distortion_check.h"
 #include "edge_mcl/localization/tracking/localizer_state.h"
 #include "edge_mcl/localization/tracking/look_alike_watch.h"
 #include "edge_mcl/localization/tracking/odometry_track.h"
@@ -159,6 +161,8 @@ class LiveLocalizer {
   cv::Mat withForeign(size_t number, const LiveInput::CameraImage& view,
                       const std::vector<DepthMasker::Foreign>& foreign, LiveResult* result);
   void learnUnderMasks(const LiveInput& input, bool used);
+  /// Asks whether the images have the distortion of their calibrations, at poses that are tracked.
+  void checkDistortion(const LiveInput& input, LiveResult* result);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem);
   std::vector<CameraView> prepareDepths(const LiveInput& input, std::string* problem) const;
@@ -181,6 +185,7 @@ class LiveLocalizer {
   LookAlikeWatch look_alikes_;
   MaskLifter mask_lifter_;
   DepthMasker depth_masker_;
+  std::map<size_t, DistortionCheck> distortion_checks_;  // by number of the camera
   std::optional<PoseGaussian> initial_;
   std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back
   StateMachine states_;

@@ -18,6 +18,10 @@ double millisecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
+constexpr char kNoDistortionInImages[] =
+    ": the images fit the model better without the distortion of their calibration; if they are "
+    "rectified, say so with rectified=true, or give a calibration without distortion";
+
 /// @param mask empty: none
 double maskedShare(const cv::Mat& mask) {
   if (mask.empty() || mask.type() != CV_8UC1) return 0;  // the preparation refuses other types
@@ -48,6 +52,16 @@ void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
   for (const LiveInput::CameraImage& view : input.images)
     T_base_camera.push_back(view.T_base_camera);
   mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
+}
+
+void LiveLocalizer::checkDistortion(const LiveInput& input, LiveResult* result) {
+  if (!result->updated || state() != LocalizerState::kTracking || !result->problem.empty()) return;
+  for (const size_t number : result->image_numbers) {
+    const LiveInput::CameraImage& view = input.images[number];
+    if (distortion_checks_[number].look(*map_, view.camera, view.image, view.mask,
+                                        view.T_base_camera, filter_.estimate().mean, input.time))
+      result->problem = view.origin + kNoDistortionInImages;
+  }
 }
 
 std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& input,
