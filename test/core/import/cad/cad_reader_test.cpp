@@ -11,6 +11,7 @@
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <STEPControl_Writer.hxx>
+#include <StepData_StepModel.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <XCAFDoc_ColorTool.hxx>
@@ -18,6 +19,8 @@
 #include <XCAFDoc_ShapeTool.hxx>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "core/import/model_files.h"
 #include "edge_mcl/core/edges/edge_model.h"
@@ -41,6 +44,10 @@ std::string writeStep(const TopoDS_Shape& shape, const std::string& name, const 
   const STEPControl_Writer first;  // the parameter exists from here on
   Interface_Static::SetCVal("write.step.unit", unit);
   STEPControl_Writer writer;  // it reads the parameter now
+  // OpenCASCADE 7.8 uses the parameter for the header alone. The coordinates need the model's unit.
+  static const std::map<std::string, double> millimetres{
+      {"MM", 1}, {"INCH", 25.4}, {"FT", 304.8}, {"CM", 10}, {"M", 1000}};
+  writer.Model()->SetWriteLengthUnit(millimetres.at(unit));
   EXPECT_EQ(writer.Transfer(shape, STEPControl_AsIs), IFSelect_RetDone);
   EXPECT_EQ(writer.Write(pathOf(name).c_str()), IFSelect_RetDone);
   Interface_Static::SetCVal("write.step.unit", "MM");
