@@ -22,6 +22,7 @@ struct DetectorParameters {
   double memory = 20;
   int points = 40;
   int threads = 0;
+  std::string engine = "auto";
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -47,6 +48,9 @@ struct DetectorParameters {
     v("points", points, "", from(4, 1000), "image corners that are followed per object");
     v("threads", threads, "", from(0, 1024),
       "threads of OpenCV in the whole process; 0 = all cores");
+    v("engine", engine, "", oneOf("auto|opencv|onnxruntime"),
+      "what runs the network; auto = OpenCV, and ONNX Runtime for an ONNX file that OpenCV cannot "
+      "run");
   }
 
   /// @throws ParameterError that lists all faults

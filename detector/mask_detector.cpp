@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "edge_mcl/core/base/error.h"
+#include "edge_mcl/detector/inference_engine.h"
 #include "edge_mcl/detector/output_layouts.h"
 
 namespace edge_mcl {
@@ -30,16 +31,12 @@ class Stopwatch {
 
 }  // namespace
 
-struct MaskDetector::Network {
-  cv::dnn::Net net;
-  std::vector<cv::String> outputs;
-};
-
 MaskDetector::~MaskDetector() = default;
 
+const char* MaskDetector::engine() const { return engine_->name(); }
+
 MaskDetector::MaskDetector(const DetectorModel& model, const DetectorParameters& parameters)
-    : network_(std::make_unique<Network>()),
-      model_(model),
+    : model_(model),
       parameters_(parameters),
       ignored_(model.classes.size(), false),
       threshold_(parameters.score_threshold > 0 ? parameters.score_threshold
@@ -65,24 +62,7 @@ MaskDetector::MaskDetector(const DetectorModel& model, const DetectorParameters&
     if (!file.empty() && !std::filesystem::is_regular_file(file, unused))
       throw InputError("model " + model.name + ": " + file +
                        " is missing (scripts/fetch_models fetches public models)");
-  try {
-    network_->net = cv::dnn::readNet(model.file, model.config_file);
-  } catch (const std::exception& e) {
-    const std::string why = e.what();
-    if (why.find("FLOAT16") != std::string::npos)
-      throw InputError("model " + model.name + ": " + model.file +
-                       " has half precision, which OpenCV does not read; export it with full "
-                       "precision (half=False)");
-    throw InputError("model " + model.name + ": " + model.file + " cannot be loaded: " + why);
-  }
-  if (network_->net.empty())
-    throw InputError("model " + model.name + ": " + model.file + " holds no network");
-  // OpenCV has one number of threads for the whole process, so it is set once, before the flight.
-  if (parameters_.threads > 0) cv::setNumThreads(parameters_.threads);
-  network_->net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-  network_->net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-  network_->outputs.assign(model.outputs.begin(), model.outputs.end());
-  if (network_->outputs.empty()) network_->outputs = network_->net.getUnconnectedOutLayersNames();
+  engine_ = openEngine(model, parameters);
   // A first run reveals a wrong description now and not in flight. It also sets up the buffers.
   detect(cv::Mat(model.height, model.width, CV_8UC3, cv::Scalar::all(114)));
 }
@@ -127,13 +107,7 @@ cv::Mat MaskDetector::prepared(const cv::Mat& image, Placement* placement) const
 }
 
 std::vector<cv::Mat> MaskDetector::forward(const cv::Mat& input) {
-  std::vector<cv::Mat> outputs;
-  try {
-    network_->net.setInput(input);
-    network_->net.forward(outputs, network_->outputs);
-  } catch (const cv::Exception& e) {
-    throw InputError("model " + model_.name + ": cannot be run: " + e.what());
-  }
+  std::vector<cv::Mat> outputs = engine_->forward(input);
   // A NaN is never above a threshold, so without this check it would mean "nothing found".
   for (const cv::Mat& output : outputs)
     if (output.depth() == CV_32F && !cv::checkRange(output))

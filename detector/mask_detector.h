@@ -10,6 +10,8 @@
 
 namespace edge_mcl {
 
+class InferenceEngine;
+
 /// Times of the stages for one image, ms.
 struct DetectorTimes {
   double preparation = 0, network = 0, decoding = 0;
@@ -35,6 +37,8 @@ class MaskDetector {
   /// Times of the last detect().
   const DetectorTimes& times() const { return times_; }
   const DetectorModel& model() const { return model_; }
+  /// What runs the network: "opencv" or "onnxruntime".
+  const char* engine() const;
   /// Returns the raw outputs of the network for an image, in the order of the model's `outputs`.
   std::vector<cv::Mat> rawOutputs(const cv::Mat& image);
 
@@ -49,8 +53,7 @@ class MaskDetector {
                    const Placement& placement) const;
   bool isIgnored(int class_id) const;
 
-  struct Network;
-  std::unique_ptr<Network> network_;
+  std::unique_ptr<InferenceEngine> engine_;
   DetectorModel model_;
   DetectorParameters parameters_;
   std::vector<bool> ignored_;  // one entry for every class

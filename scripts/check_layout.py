@@ -41,7 +41,7 @@ RANKS = [
     ['apps'],
     ['apps/recordings', 'apps/experiments', 'apps/bench'],
     ['apps/mapping'],
-    ['docs/examples/minimal'],
+    ['docs/examples/minimal', 'docs/examples/ros_node'],
 ]
 RANK = {folder: rank for rank, folders in enumerate(RANKS) for folder in folders}
 FORBIDDEN = [

@@ -1,0 +1,26 @@
+// Prints how likely the localizer's pose is, and where its map begins.
+// usage: pose_watcher MODEL.obj     beside a running localizer
+#include <edge_mcl/Status.h>
+#include <ros/ros.h>
+
+#include <cstdio>
+
+#include "edge_mcl/core/localization_map.h"
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "pose_watcher");
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: pose_watcher MODEL.obj\n");
+    return 2;
+  }
+  const edge_mcl::LocalizationMap map(argv[1], edge_mcl::Parameters());
+  std::printf("%zu lines\n", map.edges().lines.size());
+  if (!ros::master::check()) return 0;
+  ros::NodeHandle node;
+  const ros::Subscriber status = node.subscribe<edge_mcl::Status>(
+      "localizer/status", 10, [](const edge_mcl::Status::ConstPtr& message) {
+        std::printf("%s, probability %.2f\n", message->state_name.c_str(),
+                    static_cast<double>(message->probability));
+      });
+  ros::spin();
+}
