@@ -63,7 +63,13 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   queue_ = std::make_unique<MomentQueue>(nh_, params_, needed);
   reader_ = std::make_unique<MomentReader>(nh_, params_, needed, queue_->cameraCount());
   diagnostics_.setHardwareID("edge_mcl");
-  diagnostics_.add("localization", this, &LocalizerNode::diagnose);
+  using Task = void (*)(const LocalizerFacts&, diagnostic_updater::DiagnosticStatusWrapper*);
+  const std::pair<const char*, Task> tasks[] = {
+      {"localization", diagnosePose}, {"images", diagnoseImages}, {"motion", diagnoseMotion}};
+  for (const auto& [name, task] : tasks)
+    diagnostics_.add(name, [this, tell = task](diagnostic_updater::DiagnosticStatusWrapper& s) {
+      tell(facts(), &s);
+    });
   offerAdjustment();
   subscribe();
   worker_ = std::thread([this] { work(); });
@@ -286,9 +292,15 @@ void LocalizerNode::process(const Moment& moment) {
     ROS_WARN_THROTTLE(5, "%s: %s", nameOf(result.state), result.problem.c_str());
   publisher_->publish(result, *localizer_, context);
   last_image_at_ = ros::WallTime::now();
-  last_update_ms_ = context.update_ms;
-  last_result_ = std::move(result);
-  last_result_.images.clear();  // diagnostics do not need them, and they are large
+  facts_.update_ms = context.update_ms;
+  facts_.images_received = context.images_received;
+  facts_.images_dropped = context.images_dropped;
+  facts_.mask_age = context.mask_age;
+  facts_.has_odometry = input.odometry.has_value();
+  facts_.wants_odometry = params_.odometry != "none";
+  facts_.has_up = input.up.has_value();
+  facts_.result = std::move(result);
+  facts_.result.images.clear();  // diagnostics do not need them, and they are large
 }
 
 void LocalizerNode::warnOfOtherTransform() {
@@ -335,28 +347,12 @@ void LocalizerNode::savePose() {
   for (int i = 0; i < 6; ++i) private_nh_.setParam(std::string("initial_cov_") + axes[i], c(i, i));
 }
 
-void LocalizerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+LocalizerFacts LocalizerNode::facts() {
   const std::lock_guard<std::mutex> lock(localizer_mutex_);
-  const double silence =
-      last_image_at_.isZero() ? -1 : (ros::WallTime::now() - last_image_at_).toSec();
-  using Level = diagnostic_msgs::DiagnosticStatus;
-  if (silence < 0 || silence > 2)
-    status.summary(Level::WARN, silence < 0 ? "no image yet" : "no more images");
-  else if (last_result_.state == LocalizerState::kLost)
-    status.summary(Level::ERROR, "lost");
-  else if (last_result_.state == LocalizerState::kTracking && last_result_.problem.empty())
-    status.summary(Level::OK, "tracking");
-  else
-    status.summary(Level::WARN, nameOf(last_result_.state));
-  status.add("state", nameOf(last_result_.state));
-  status.add("problem", last_result_.problem);
-  status.add("seconds since the last image", silence);
-  status.add("update ms", last_update_ms_);
-  status.add("probability", last_result_.probability);
-  status.add("match ratio", last_result_.match_ratio);
-  status.add("effective sample size", last_result_.report.effective_sample_size);
-  status.add("visible lines", last_result_.report.visible_lines);
-  status.add("backend", localizer_->map().backend().name());
+  LocalizerFacts facts = facts_;
+  facts.backend = localizer_->map().backend().name();
+  if (!last_image_at_.isZero()) facts.silence = (ros::WallTime::now() - last_image_at_).toSec();
+  return facts;
 }
 
 }  // namespace edge_mcl

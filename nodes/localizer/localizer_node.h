@@ -19,6 +19,7 @@
 
 #include "edge_mcl/localization/tracking/live_localizer.h"
 #include "edge_mcl/nodes/common/wall_pace.h"
+#include "edge_mcl/nodes/localizer/localizer_diagnostics.h"
 #include "edge_mcl/nodes/localizer/moment_queue.h"
 #include "edge_mcl/nodes/localizer/moment_reader.h"
 #include "edge_mcl/nodes/localizer/result_publisher.h"
@@ -48,7 +49,8 @@ class LocalizerNode {
   /// Two publishers of one transform make it jump.
   void warnOfOtherTransform();
   void offerAdjustment();
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  /// What diagnostics tell now.
+  LocalizerFacts facts();
 
   void work();
   void process(const Moment& moment);
@@ -67,8 +69,7 @@ class LocalizerNode {
   bool is_transform_checked_ = false, is_silence_told_ = false;
   const ros::WallTime started_ = ros::WallTime::now();
   std::optional<UpReading> last_up_;  // of the newest image that had one
-  LiveResult last_result_;
-  double last_update_ms_ = 0;
+  LocalizerFacts facts_;              // of the newest image
   ros::WallTime last_image_at_;
 
   std::vector<ros::Subscriber> subscribers_;
