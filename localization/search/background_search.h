@@ -22,14 +22,15 @@ class GlobalLocalizer;
 /// while the search works. Hypotheses are only followed through keyframes that are not the newest;
 /// new hypotheses are searched for in the newest one. Odometry carries the result to the present. A
 /// pose is reported as stale when odometry has carried it too far, since the result or between two
-/// keyframes. The search uses at most half of the cores. Its result depends on the speed of the
-/// machine.
+/// keyframes. The search uses at most half of the cores, and all for a search around a guess, which
+/// is short. Its result depends on the speed of the machine.
 class BackgroundSearch : public PoseFinder {
  public:
-  /// Starts the thread, which prepares the places of the map before the first search. @param map
-  /// must outlive this object. @param seed of the random generator.
+  /// Starts the threads of the search and of the preparation. A search of the whole map waits until
+  /// its places are prepared. @param map must outlive this object. @param seed of the random
+  /// generator.
   BackgroundSearch(const LocalizationMap& map, uint64_t seed);
-  /// Ends the thread after the keyframe that it is working on.
+  /// Ends the threads after the keyframe and the places that they are working on.
   ~BackgroundSearch() override;
 
   void begin() override;
@@ -39,6 +40,7 @@ class BackgroundSearch : public PoseFinder {
   /// @throws the exception of the search thread, if there was one since the last call.
   SearchReport process(const std::vector<CameraView>& views,
                        const std::optional<UpReading>& up) override;
+  bool isPrepared() override;
 
  private:
   struct Begin {
@@ -62,13 +64,17 @@ class BackgroundSearch : public PoseFinder {
   void beginWith(Begin begin);
   /// Drops an image that waits.
   void dropOne();
+  /// Drops all images that wait but the newest.
+  void skipToNewest();
   /// Puts the images into the queue if they make a keyframe.
   void offer(const std::vector<CameraView>& views, const std::optional<UpReading>& up);
   /// The report with its poses carried to the present by odometry.
   SearchReport carriedToNow(const Report& then) const;
   void run();
-  /// Makes the search and the places of the map, unless the thread has to end.
-  void prepare(std::optional<GlobalLocalizer>* search);
+  /// Prepares the places of the map, unless the thread has to end.
+  void prepare();
+  /// Whether the search can use images that wait. Needs mutex_.
+  bool canSearch() const;
 
   const LocalizationMap& map_;
   const uint64_t seed_;
@@ -83,8 +89,9 @@ class BackgroundSearch : public PoseFinder {
   std::optional<Report> reported_;  // newest result
   bool is_news_ = false;            // process() has not returned it yet
   std::exception_ptr failure_;
-  bool stop_ = false;
-  std::thread thread_;  // the last member, because it uses all members above
+  bool stop_ = false, is_prepared_ = false;
+  bool only_there_ = false;           // the search that runs is one around its guess
+  std::thread preparation_, thread_;  // the last members, because they use all members above
 };
 
 }  // namespace edge_mcl

@@ -22,8 +22,8 @@ class GlobalLocalizer : public PoseFinder {
   /// @param seed of the random generator.
   GlobalLocalizer(const LocalizationMap& map, uint64_t seed);
 
-  /// Makes or reads the prepared places, see PoseSearch::prepareLookup().
-  void prepareLookup(const PreparedPlaces::Progress& progress) { search_.prepareLookup(progress); }
+  /// false: the search does without prepared places, because they are not there yet.
+  void useLookup(bool use) { search_.useLookup(use); }
 
   void begin() override;
   void begin(const PoseGaussian& guess, bool only_there) override;
@@ -33,6 +33,7 @@ class GlobalLocalizer : public PoseFinder {
                        const std::optional<UpReading>& up) override {
     return process(views, up, true);
   }
+  bool isPrepared() override { return true; }
   /// @param look true: new hypotheses are searched for. false: the existing ones are only followed,
   /// which is fast.
   SearchReport process(const std::vector<CameraView>& views, const std::optional<UpReading>& up,

@@ -108,6 +108,8 @@ class PoseFinder {
   /// @return state of the search. Odometry carries its estimate to this moment.
   virtual SearchReport process(const std::vector<CameraView>& views,
                                const std::optional<UpReading>& up) = 0;
+  /// Whether a search of the whole model can begin at once.
+  virtual bool isPrepared() = 0;
 };
 
 }  // namespace edge_mcl

@@ -195,6 +195,7 @@ std::vector<Pose> PoseSearch::finish(const std::vector<CameraView>& views, const
 std::vector<Pose> PoseSearch::lookedUp(const std::vector<CameraView>& views,
                                        const std::optional<UpReading>& up,
                                        const std::optional<SearchRegion>& region) {
+  if (!uses_lookup_) return {};
   if (!prepared_) prepared_ = map_.preparedPlaces();
   const auto view = std::find_if(views.begin(), views.end(),
                                  [](const CameraView& v) { return v.image != nullptr; });

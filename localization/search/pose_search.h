@@ -55,11 +55,8 @@ class PoseSearch {
   std::vector<Pose> lookedUp(const std::vector<CameraView>& views,
                              const std::optional<UpReading>& up,
                              const std::optional<SearchRegion>& region = std::nullopt);
-  /// Makes or reads the prepared places, so that the first search does not wait for them.
-  /// @param progress see PreparedPlaces; what it throws ends the work.
-  void prepareLookup(const PreparedPlaces::Progress& progress) {
-    if (!prepared_) prepared_ = map_.preparedPlaces(progress);
-  }
+  /// false: lookedUp() finds nothing, because the places are not prepared yet.
+  void useLookup(bool use) { uses_lookup_ = use; }
   /// Searches around a guess (T_map_base): tries random poses from the Gaussian. Other parameters
   /// and the result are those of everywhere().
   std::vector<Pose> around(const std::vector<CameraView>& views, const PoseGaussian& guess,
@@ -125,6 +122,7 @@ class PoseSearch {
   std::vector<Eigen::Vector3d> directions_;     // main directions of the building, map frame
   std::shared_ptr<const SearchPlaces> places_;  // null before the first search of the whole model
   std::shared_ptr<const PreparedPlaces> prepared_;  // null as well when the map has none
+  bool uses_lookup_ = true;
 };
 
 }  // namespace edge_mcl

@@ -66,6 +66,7 @@ void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
   finder_.reset();        // it refers to the old map
   mask_lifter_.forget();  // it knows the lines by number
   depth_masker_.forget();
+  tracked_.reset();
   map_ = std::move(map);
   if (searching_) beginSearch(false);
 }
@@ -284,6 +285,11 @@ void LiveLocalizer::judge(double time, bool trusted, bool used) {
   states_.judge({time, used, trusted, narrow, doubtful}, tracking_.lost_after);
 }
 
+std::optional<PoseGaussian> LiveLocalizer::trackedPose(double age) const {
+  if (!tracked_ || !last_time_ || std::abs(*last_time_ - tracked_at_) > age) return std::nullopt;
+  return tracked_;
+}
+
 LiveResult LiveLocalizer::process(const LiveInput& input) {
   LiveResult result;
   if (!isInitialized() && !searching_) {
@@ -308,6 +314,10 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
   result.state = state();
   result.estimate = presentPose();
   if (isInitialized()) result.probability = probability_.value();
+  if (result.state == LocalizerState::kTracking && !result.late) {
+    tracked_ = result.estimate;
+    tracked_at_ = input.time;
+  }
   result.odometry = odometry_.calibration();
   return result;
 }

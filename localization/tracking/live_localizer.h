@@ -119,6 +119,10 @@ class LiveLocalizer {
   const PoseFilter& filter() const { return filter_; }
   LocalizerState state() const { return states_.state(); }
 
+  /// The newest pose that was tracked, T_map_base, if it is at most so old at the newest moment.
+  /// A pose that was never tracked, or is lost, may be anywhere. @param age s
+  std::optional<PoseGaussian> trackedPose(double age) const;
+
   /// Predicts the particles to the time of the input and uses its images if they can be used. A
   /// fault of the input is reported in the result and not thrown.
   LiveResult process(const LiveInput& input);
@@ -189,7 +193,9 @@ class LiveLocalizer {
   std::optional<PoseGaussian> initial_;
   std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back
   StateMachine states_;
-  bool fresh_ = false;  // no moment since the pose was given
+  bool fresh_ = false;                   // no moment since the pose was given
+  std::optional<PoseGaussian> tracked_;  // newest pose that was tracked
+  double tracked_at_ = 0;                // its time, s
   StampGuard stamps_;
   std::optional<double> last_time_;
   double longest_interval_ = 0;  // longest recent time between moments, s; 0: not known

@@ -67,7 +67,8 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->updated = true;
   // A pose that is not found around the guess so soon is somewhere else.
   constexpr int kAroundGuess = 8;  // keyframes
-  if (only_around_ && !isInitialized() && !report.converged && report.keyframes >= kAroundGuess)
+  if (only_around_ && !isInitialized() && !report.converged && report.keyframes >= kAroundGuess &&
+      finder_->isPrepared())
     beginSearch(false);
   if (!report.keyframe || !(report.converged || agreesWith(report))) return;
   filter_.initialize(report.estimate);

@@ -179,7 +179,8 @@ std::string LocalizerNode::setPose(const geometry_msgs::PoseWithCovarianceStampe
     const std::lock_guard<std::mutex> lock(localizer_mutex_);
     if (is_planar) {
       PlanarContext context;
-      if (localizer_->isInitialized()) context.last = localizer_->filter().estimate();
+      constexpr double kKeepsHeight = 5;  // s, in which a robot seldom climbs or descends much
+      context.last = localizer_->trackedPose(kKeepsHeight);
       context.up = last_up_;
       context.is_camera_base = reader_->isCameraBase();
       geometry_msgs::PoseWithCovariance in_map = message.pose;

@@ -16,7 +16,7 @@ bool isPlanar(const geometry_msgs::PoseWithCovariance& message);
 
 /// What a planar pose leaves open, and where it comes from instead.
 struct PlanarContext {
-  std::optional<PoseGaussian> last;  ///< T_map_base before; gives height, roll and pitch
+  std::optional<PoseGaussian> last;  ///< T_map_base that was tracked before; gives height and tilt
   std::optional<UpReading> up;       ///< roll and pitch of an IMU; preferred to those of `last`
   bool is_camera_base = false;       ///< the base has the axes of an optical frame
 };

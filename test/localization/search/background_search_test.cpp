@@ -91,6 +91,32 @@ TEST_F(BackgroundSearchTest, FindsTheCameraWhileImagesGoOn) {
   EXPECT_EQ(result.state, LocalizerState::kTracking);
 }
 
+/// Places 10 cm apart take minutes to prepare. A search around a guess does without them
+/// meanwhile. The end of the localizer ends the preparation, too.
+TEST_F(BackgroundSearchTest, AroundAGuessItDoesNotWaitForPreparedPlaces) {
+  Parameters params = quickSearch();
+  params.search.prepared_spacing = 0.1;
+  params.search.prepared_megabytes = 4000;
+  params.search.store_places = false;
+  LiveLocalizer localizer(std::make_shared<LocalizationMap>(scenario_.model_file, params), true);
+  localizer.prepareSearch();
+  PoseGaussian guess;
+  LiveInput input = flight_.next();
+  guess.mean = flight_.truth();
+  guess.mean.translation().x() += 0.4;
+  guess.covariance.diagonal() << 0.16, 0.16, 0.16, 0.02, 0.02, 0.07;
+  localizer.searchAround(guess);
+  LiveResult result;
+  constexpr int kSoon = 150;  // images; ten seconds
+  int images = 0;
+  do {
+    result = localizer.process(input);
+    input = flight_.next();
+    std::this_thread::sleep_for(kPeriod);
+  } while (!result.relocalized && ++images < kSoon);
+  EXPECT_TRUE(result.relocalized);
+}
+
 /// Nothing but the images carries the result of the search to the present.
 TEST_F(BackgroundSearchTest, FindsTheCameraWithoutOdometry) {
   LiveLocalizer localizer(map_, true);

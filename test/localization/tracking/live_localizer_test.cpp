@@ -52,6 +52,23 @@ class LiveLocalizerTest : public testing::Test {
   }
 };
 
+/// A pose of RViz takes its height and tilt from the pose before. A pose that no image has
+/// confirmed, or that is lost, would give wrong ones.
+TEST_F(LiveLocalizerTest, ThePoseBeforeIsOneThatWasTracked) {
+  LiveLocalizer right = begun(alone()), wrong = begun(alone());
+  wrong.setPose(around(kElsewhere, 0.02, 0.01));
+  EXPECT_FALSE(right.trackedPose(5));
+  for (int i = 0; i < 20; ++i) {
+    right.process(input(0.1 * i, here_));
+    wrong.process(input(0.1 * i, here_));
+    EXPECT_FALSE(wrong.trackedPose(5)) << "image " << i;
+  }
+  ASSERT_TRUE(right.trackedPose(5));
+  EXPECT_LT((right.trackedPose(5)->mean.translation() - kView.translation()).norm(), 0.05);
+  for (int i = 0; i < 80; ++i) right.process(input(2 + 0.1 * i, elsewhere_));
+  EXPECT_FALSE(right.trackedPose(5));
+}
+
 /// Only images after 0.2 m of motion are used. The images show another place, so the pose must
 /// become lost.
 TEST_F(LiveLocalizerTest, WhereFewImagesAreUsedAWrongPoseIsLostToo) {
