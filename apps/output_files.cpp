@@ -43,6 +43,12 @@ void writeJson(const std::string& file, const nlohmann::json& content) {
   if (problem) throw InputError(file + ": cannot be written: " + problem.message());
 }
 
+void writeText(const std::string& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  if (!out.flush()) throw InputError(file + ": cannot be written");
+}
+
 void makeDirectory(const std::string& directory) {
   std::error_code problem;
   fs::create_directories(directory, problem);

@@ -13,6 +13,8 @@ std::string textOf(const nlohmann::json& content);
 /// Writes FILE.part and then renames it to FILE, so that a file with the final name is complete. A
 /// device or a pipe is written to directly. @throws InputError when the file cannot be written
 void writeJson(const std::string& file, const nlohmann::json& content);
+/// @throws InputError when the file cannot be written
+void writeText(const std::string& file, const std::string& text);
 /// Creates a directory and its parents. @throws InputError when it cannot be created
 void makeDirectory(const std::string& directory);
 

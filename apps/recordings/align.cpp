@@ -11,6 +11,8 @@
 #include "apps/common_options.h"
 #include "apps/output_files.h"
 #include "apps/progress_bar.h"
+#include "apps/recordings/align_points.h"
+#include "apps/recordings/placement.h"
 #include "apps/recordings/recording_options.h"
 #include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/base/error.h"
@@ -23,7 +25,7 @@ namespace edge_mcl {
 namespace {
 
 struct AlignOptions : RecordingOptions {
-  std::string poses, out;
+  std::string poses, points, out;
   bool keep_scale = false, json = false;
 };
 
@@ -173,42 +175,6 @@ double usualUnit(double scale, double sigma) {
   return scale;
 }
 
-/// The placement of the model file in the other system.
-struct Placement {
-  MapParameters map;  // scale, position and angles
-  Similarity whole;   // from the file to the other system
-};
-
-Placement placementOf(const MapParameters& used, double scale, const Similarity& s) {
-  Placement placement;
-  placement.map = used;
-  const Eigen::Affine3d before = mapTransform(used, scale);
-  const Eigen::Matrix3d R0 =
-      rotationFromAngles(used.roll_deg * kDegree, used.pitch_deg * kDegree, used.yaw_deg * kDegree);
-  placement.whole.rotation = s.rotation * R0;
-  placement.whole.scale = s.scale * scale;
-  placement.whole.shift = s * before.translation();
-  const Eigen::Matrix3d& R = placement.whole.rotation;
-  placement.map.scale = placement.whole.scale;
-  placement.map.x = placement.whole.shift.x();
-  placement.map.y = placement.whole.shift.y();
-  placement.map.z = placement.whole.shift.z();
-  placement.map.yaw_deg = std::atan2(R(1, 0), R(0, 0)) / kDegree;
-  placement.map.pitch_deg = std::asin(std::max(-1.0, std::min(1.0, -R(2, 0)))) / kDegree;
-  placement.map.roll_deg = std::atan2(R(2, 1), R(2, 2)) / kDegree;
-  return placement;
-}
-
-std::string asYaml(const Placement& placement) {
-  char text[400];
-  const MapParameters& m = placement.map;
-  std::snprintf(text, sizeof text,
-                "map:\n  scale: %.9g\n  x: %.6f\n  y: %.6f\n  z: %.6f\n  yaw_deg: %.5f\n"
-                "  pitch_deg: %.5f\n  roll_deg: %.5f\n",
-                m.scale, m.x, m.y, m.z, m.yaw_deg, m.pitch_deg, m.roll_deg);
-  return text;
-}
-
 /// One run after the other until the scale no longer changes.
 struct Aligned {
   SimilarityFit fit;
@@ -247,7 +213,10 @@ Aligned align(AlignOptions o, const Trajectory& other) {
 }
 
 int run(AlignOptions o) {
-  for (const std::string& file : {o.out}) checkOutput(file);
+  checkOutput(o.out);
+  if (!o.points.empty())
+    return alignPoints(o.points, parametersOf(o).map, o.keep_scale, o.out, o.json);
+  if (o.recording.empty()) throw ParameterError("a recording, or --points, is missing");
   if (o.model.empty()) throw ParameterError("--model is missing");
   if (!o.initial_pose.empty() && parametersOf(o).map.scale <= 0 && !o.keep_scale)
     throw ParameterError(
@@ -259,12 +228,8 @@ int run(AlignOptions o) {
   const double scale = aligned.scale > 0 ? aligned.scale : 1;
   const SimilarityFit& fit = aligned.fit;
   const Placement placement = placementOf(parametersOf(o).map, scale, fit.similarity);
-  const std::string yaml = asYaml(placement);
-  if (!o.out.empty()) {
-    std::ofstream file(o.out);
-    file << yaml;
-    if (!file.flush()) throw InputError(o.out + ": cannot be written");
-  }
+  const std::string yaml = yamlOf(placement);
+  if (!o.out.empty()) writeText(o.out, yaml);
   if (o.json) {
     const MapParameters& m = placement.map;
     std::printf("%s\n", textOf({{"scale", m.scale},
@@ -287,15 +252,8 @@ int run(AlignOptions o) {
         yaml.c_str(), aligned.pairs.tracked, aligned.pairs.images, fit.used, 100 * fit.position_rms,
         fit.rotation_rms / kDegree, 100 * fit.position_sigma, fit.rotation_sigma / kDegree,
         fit.scale_sigma * placement.map.scale);
-    constexpr double kMetric = 0.01;  // a static transform has no scale
-    const bool is_rigid =
-        std::abs(placement.map.scale / (aligned.scale > 0 ? aligned.scale : 1) - 1) < kMetric;
-    const Eigen::Quaterniond q(placement.whole.rotation);
-    if (is_rigid)
-      std::printf(
-          "as a transform of a model in metres: static_transform_publisher %.6f %.6f %.6f %.7f "
-          "%.7f %.7f %.7f OTHER_FRAME map\n",
-          placement.map.x, placement.map.y, placement.map.z, q.x(), q.y(), q.z(), q.w());
+    const double used = aligned.scale > 0 ? aligned.scale : 1;
+    std::fputs(transformLine(placement, used).c_str(), stdout);
   }
   // Poses of one body agree to some centimetres. An offset in time, or a body beside the camera,
   // does not.
@@ -330,6 +288,12 @@ void addAlign(CLI::App* app, Action* action) {
       "--poses", o->poses,
       "trajectory of the other system with the times of the recording (TUM or EuRoC "
       "format), of the same body as the localizer's; default: the odometry of the recording");
+  for (CLI::Option* option : c->get_options())
+    if (option->get_positional()) option->required(false);
+  c->add_option(
+      "--points", o->points,
+      "in place of a recording: a file with a line `x y z  X Y Z` for each point, first in "
+      "the model file, then in the other system");
   c->add_flag("--keep-scale", o->keep_scale,
               "the scale of the model is right; default: it is fitted");
   c->add_option("--out", o->out, "YAML file with the parameters map.*, for --params");

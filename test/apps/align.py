@@ -90,7 +90,26 @@ def main():
         error = summary.get('position_error_median_m', 1e9)
         check(error < 0.02, 'localized with the parameters: %.4f m %s' % (error, r.stderr[-300:]))
 
+        # The same by four corners, read to the millimetre.
+        pairs = os.path.join(folder, 'pairs.txt')
+        corners = [np.array(p, float) for p in ([0, 0, 0], [8, 0, 0], [8, 6, 0], [0, 6, 2.6])]
+        lines = ['%.4f %.4f %.4f  %.3f %.3f %.3f' % (*((turned(YAW) @ p + SHIFT) / SCALE), *p) for p in corners]
+        write(pairs, '# model, other\n' + '\n'.join(lines) + '\n')
+        r = c.run('align', '--points', pairs, '--out', out, '--json')
+        check(r.returncode == OK, 'points: %d %s' % (r.returncode, r.stderr[-300:]))
+        position, angle = errors(json.loads(r.stdout))
+        check(position < 0.003 and angle < 0.03, 'by points: %.4f m, %.3f degrees' % (position, angle))
+        r = c.run('align', '--points', pairs)
+        check('point 4 is off by 0.00' in r.stdout and 'scale: 0.0254' in r.stdout, r.stdout)
+        write(pairs, '\n'.join(lines[:3] + ['1 2 3']))
+        r = c.run('align', '--points', pairs)
+        check(r.returncode == INPUT and 'pairs.txt:4: six numbers' in r.stderr, r.stderr)
+        write(pairs, '\n'.join(lines[:2]))
+        r = c.run('align', '--points', pairs)
+        check(r.returncode == INPUT and 'three pairs' in r.stderr, r.stderr)
+
         for status, words, arguments in (
+                (USAGE, '--points', ('align', '--model', model)),
                 (USAGE, '--model', ('align', flight)),
                 (INPUT, 'nowhere.txt', ('align', flight, '--model', model, '--poses', 'nowhere.txt')),
                 (INPUT, '/nowhere/', ('align', flight, '--model', model, '--poses', truth, '--out', '/nowhere/map.yaml'))):
