@@ -172,7 +172,7 @@ struct SearchParameters {
   double keyframe_distance = 0.08;
   double keyframe_angle_deg = 4;
   double keyframe_period = 0.5;
-  double glance_period = 0.1;
+  double glance_period = 0.06;
   int window = 10;
   int min_keyframes = 3;
   double line_correlation = 0.1;

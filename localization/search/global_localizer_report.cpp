@@ -90,16 +90,19 @@ void GlobalLocalizer::addNextView(SearchReport* report) const {
 
 std::optional<Twist> GlobalLocalizer::velocityOf(const Hypothesis& h) const {
   // A hypothesis that was found beside the true pose moves onto it, and this is no motion of the
-  // robot. So its newest pose is followed backwards, where it has to jump as little. Over a longer
-  // time the velocity changes.
+  // robot. So its newest pose is followed backwards. Where this fits an older image better than the
+  // pose that the hypothesis had there, it is believed. Over a longer time the velocity changes.
   constexpr double kLongest = 0.3;  // s
   FoundPose before = h.newest;
   double elapsed = 0;
   for (size_t k = keyframes_.size() - 1; k > 0; --k) {
     const BaseMotion& since = keyframes_[k].since;
     if (since.blind <= 0 || (elapsed > 0 && elapsed + since.elapsed > kLongest)) break;
-    before =
+    const FoundPose back =
         followed(keyframes_[k - 1].seen, predicted(before, since.step.inverse(), since.variance));
+    const FoundPose& forth = h.history[k - 1];
+    const bool fits = forth.evidence >= map_.params().search.min_evidence;
+    before = fits && forth.evidence > back.evidence ? forth : back;
     elapsed += since.elapsed;
   }
   if (!(elapsed > 0)) return std::nullopt;
