@@ -214,8 +214,11 @@ Aligned align(AlignOptions o, const Trajectory& other) {
 
 int run(AlignOptions o) {
   checkOutput(o.out);
-  if (!o.points.empty())
+  if (!o.points.empty()) {
+    if (!o.recording.empty() || !o.poses.empty() || !o.model.empty() || o.global)
+      throw ParameterError("--points needs no recording, no --poses, no --model and no --global");
     return alignPoints(o.points, parametersOf(o).map, o.keep_scale, o.out, o.json);
+  }
   if (o.recording.empty()) throw ParameterError("a recording, or --points, is missing");
   if (o.model.empty()) throw ParameterError("--model is missing");
   if (!o.initial_pose.empty() && parametersOf(o).map.scale <= 0 && !o.keep_scale)

@@ -1,7 +1,9 @@
 #include "apps/recordings/align_points.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -19,10 +21,13 @@ namespace {
 
 std::vector<PointPair> readPairs(const std::string& file) {
   std::ifstream in(file);
-  if (!in) throw InputError(file + ": cannot be read");
+  std::error_code ignored;
+  if (!in || std::filesystem::is_directory(file, ignored))
+    throw InputError(file + ": cannot be read as a list of points");
   std::vector<PointPair> pairs;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
+    if (number == 1 && line.rfind("\xEF\xBB\xBF", 0) == 0) line.erase(0, 3);  // mark of UTF-8
     line = line.substr(0, line.find('#'));
     std::replace_if(
         line.begin(), line.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
@@ -41,17 +46,70 @@ std::vector<PointPair> readPairs(const std::string& file) {
   return pairs;
 }
 
-/// A point that is much farther off than the others was clicked at the wrong place. Without more
-/// points than a similarity needs, none can be told from the others.
-std::optional<size_t> wrongPoint(const PointFit& fit) {
-  constexpr size_t kFewest = 4;
-  constexpr double kFar = 0.1, kTimes = 3;  // m, times the median of the others
-  std::vector<double> sorted = fit.residuals;
-  std::sort(sorted.begin(), sorted.end());
-  const double worst = sorted.back();
-  if (sorted.size() < kFewest || worst < kFar || worst < kTimes * sorted[(sorted.size() - 1) / 2])
-    return std::nullopt;
-  return std::max_element(fit.residuals.begin(), fit.residuals.end()) - fit.residuals.begin();
+/// The root mean square of a fit; infinite when it cannot be made.
+double rmsOf(const std::vector<PointPair>& pairs, std::optional<double> scale) {
+  try {
+    return fitPoints(pairs, scale).rms;
+  } catch (const InputError&) {
+    return INFINITY;
+  }
+}
+
+/// A fit that is so much better tells what is wrong.
+constexpr double kMuchBetter = 3;
+
+std::string textOf(double metres) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3f m", metres);
+  return text;
+}
+
+/// The point without which the others agree much better. It takes five: four points without one are
+/// three, which nearly always agree.
+std::string wrongPoint(const std::vector<PointPair>& pairs, std::optional<double> scale,
+                       const PointFit& fit) {
+  constexpr size_t kFewest = 5;
+  size_t worst = 0;
+  double best = INFINITY;
+  for (size_t i = 0; pairs.size() >= kFewest && i < pairs.size(); ++i) {
+    std::vector<PointPair> others = pairs;
+    others.erase(others.begin() + static_cast<long>(i));
+    const double rms = rmsOf(others, scale);
+    if (rms >= best) continue;
+    best = rms;
+    worst = i;
+  }
+  if (!(kMuchBetter * best < fit.rms)) return "";
+  return "without point " + std::to_string(worst + 1) + " the others agree to " + textOf(best) +
+         "; is it the same place in both?";
+}
+
+/// What is wrong with a fit, for a warning. Empty: nothing is.
+std::string doubtOf(const std::vector<PointPair>& pairs, std::optional<double> scale,
+                    const PointFit& fit) {
+  // Clicks are right to some centimetres in rooms of metres, or to some pixels of a plan.
+  constexpr double kPoor = 0.02, kTurned = 3 * kDegree, kGood = 0.03;  // of the extent; rad; m
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const PointPair& pair : pairs) middle += pair.to / static_cast<double>(pairs.size());
+  double extent = 0;
+  for (const PointPair& pair : pairs) extent = std::max(extent, (pair.to - middle).norm());
+  const bool is_down = fit.similarity.rotation(2, 2) < 0;
+  const std::string down =
+      "the model comes out upside down; has one of the systems y down, or left-handed axes?";
+  if (fit.rms < kGood) return is_down ? down : "";
+  std::vector<PointPair> mirrored = pairs;
+  for (PointPair& pair : mirrored) pair.from.x() = -pair.from.x();
+  const double as_mirrored = rmsOf(mirrored, scale), scaled = scale ? rmsOf(pairs, {}) : INFINITY;
+  if (kMuchBetter * as_mirrored < fit.rms)
+    return "the points agree to " + textOf(as_mirrored) +
+           " when an axis of the model is mirrored (map.mirror)";
+  if (is_down) return down;
+  if (kMuchBetter * scaled < fit.rms)
+    return "the points agree to " + textOf(scaled) + " when the scale is fitted, too";
+  std::string wrong = wrongPoint(pairs, scale, fit);
+  if (!wrong.empty()) return wrong;
+  if (fit.rms < kPoor * extent && fit.rotation_sigma < kTurned) return "";
+  return "the points agree to " + textOf(fit.rms) + " only; is each the same place in both?";
 }
 
 void print(const Placement& placement, const PointFit& fit) {
@@ -83,12 +141,12 @@ int alignPoints(const std::string& file, const MapParameters& params, bool keep_
                 const std::string& out, bool json) {
   std::optional<double> scale;
   if (keep_scale) scale = params.scale > 0 ? params.scale : 1;
+  const std::vector<PointPair> pairs = readPairs(file);
   PointFit fit;
   try {
-    fit = fitPoints(readPairs(file), scale);
+    fit = fitPoints(pairs, scale);
   } catch (const InputError& e) {
-    const std::string why = e.what();
-    throw InputError(why.rfind(file, 0) == 0 ? why : file + ": " + why);
+    throw InputError(file + ": " + e.what());
   }
   // The points are those of the file, so no parameter has moved them.
   const Placement placement = placementOf(MapParameters(), 1, fit.similarity);
@@ -97,11 +155,9 @@ int alignPoints(const std::string& file, const MapParameters& params, bool keep_
     std::printf("%s\n", textOf(jsonOf(placement, fit)).c_str());
   else
     print(placement, fit);
-  const std::optional<size_t> wrong = wrongPoint(fit);
-  if (wrong)
-    std::fprintf(stderr, "warning: point %zu is off by %.2f m; is it the same place in both?\n",
-                 *wrong + 1, fit.residuals[*wrong]);
-  return wrong ? kExitIncomplete : kExitOk;
+  const std::string doubt = doubtOf(pairs, scale, fit);
+  if (!doubt.empty()) std::fprintf(stderr, "warning: %s: %s\n", file.c_str(), doubt.c_str());
+  return doubt.empty() ? kExitOk : kExitIncomplete;
 }
 
 }  // namespace edge_mcl

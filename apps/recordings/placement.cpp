@@ -30,11 +30,13 @@ Placement placementOf(const MapParameters& used, double scale, const Similarity&
 }
 
 std::string yamlOf(const Placement& placement) {
+  // A model in coordinates of a country is 5,000 km from its origin. A millimetre there is 1e-8
+  // degrees.
   char text[400];
   const MapParameters& m = placement.map;
   std::snprintf(text, sizeof text,
-                "map:\n  scale: %.9g\n  x: %.6f\n  y: %.6f\n  z: %.6f\n  yaw_deg: %.5f\n"
-                "  pitch_deg: %.5f\n  roll_deg: %.5f\n",
+                "map:\n  scale: %.15g\n  x: %.6f\n  y: %.6f\n  z: %.6f\n  yaw_deg: %.13g\n"
+                "  pitch_deg: %.13g\n  roll_deg: %.13g\n",
                 m.scale, m.x, m.y, m.z, m.yaw_deg, m.pitch_deg, m.roll_deg);
   return text;
 }
@@ -47,7 +49,7 @@ std::string transformLine(const Placement& placement, double scale) {
   char text[300];
   std::snprintf(text, sizeof text,
                 "as a transform of a model in metres: static_transform_publisher %.6f %.6f %.6f "
-                "%.7f %.7f %.7f %.7f OTHER_FRAME map\n",
+                "%.12f %.12f %.12f %.12f OTHER_FRAME map\n",
                 m.x, m.y, m.z, q.x(), q.y(), q.z(), q.w());
   return text;
 }

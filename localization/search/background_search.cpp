@@ -66,6 +66,7 @@ void BackgroundSearch::beginWith(Begin begin) {
   since_begin_ = {};
   since_view_ = {};
   has_view_ = false;
+  is_around_ = begin.only_there;
   const std::lock_guard<std::mutex> lock(mutex_);
   begin_ = std::move(begin);
   waiting_.clear();
@@ -108,7 +109,7 @@ void BackgroundSearch::skipToNewest() {
 void BackgroundSearch::offer(const std::vector<CameraView>& views,
                              const std::optional<UpReading>& up) {
   const SearchParameters& p = map_.params().search;
-  if (has_view_ && !since_view_.isKeyframe(p) && !since_view_.isGlance(p)) return;
+  if (has_view_ && !since_view_.isKeyframe(p, is_around_) && !since_view_.isGlance(p)) return;
   // When the queue is full, one image is dropped. Those that remain are closer together than if
   // only the newest one waited. Without odometry the images alone tell the motion, so the images of
   // one search, about a second, may wait.
@@ -215,7 +216,8 @@ void BackgroundSearch::run() {
     // A pose that was followed by images alone may have slipped to a neighbour that looks alike.
     const bool is_gap =
         isFarByOdometry(view.before.variance, view.before.blind) || (is_blind && !is_look);
-    over_gap = !begin && (over_gap || is_gap);
+    // Without prepared places there are fewer hypotheses, so a wrong one may have no rival.
+    over_gap = (!begin && (over_gap || is_gap)) || !uses_lookup;
     lock.unlock();
     SearchReport report;
     std::exception_ptr failure;

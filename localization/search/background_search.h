@@ -81,6 +81,7 @@ class BackgroundSearch : public PoseFinder {
   // Used by the caller's thread only.
   BaseMotion since_begin_, since_view_;  // motion since begin(), since the newest queued keyframe
   bool has_view_ = false;                // a keyframe was queued since begin()
+  bool is_around_ = false;               // the search is one around its guess
   // Shared by both threads, under mutex_.
   std::mutex mutex_;
   std::condition_variable wake_;

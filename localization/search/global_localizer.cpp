@@ -87,10 +87,12 @@ SearchReport GlobalLocalizer::process(const std::vector<CameraView>& views,
   }
   const SearchParameters& p = map_.params().search;
   const bool is_glance = since_look_.isGlance(p) && !hypotheses_.empty();
-  if (!keyframes_.empty() && !is_glance && !since_.isKeyframe(p)) return reportBetween();
+  // A user who has given a pose waits for it, and the robot may stand still.
+  const bool is_due = since_.isKeyframe(p, only_guess_);
+  if (!keyframes_.empty() && !is_glance && !is_due) return reportBetween();
   SearchViews seen = search_.prepare(views);
   follow(seen);
-  if (!keyframes_.empty() && !since_.isKeyframe(p) && !haveMoved()) return reportBetween();
+  if (!keyframes_.empty() && !is_due && !haveMoved()) return reportBetween();
   append(std::move(seen));
   if (look) this->look();
   sort();
@@ -188,9 +190,7 @@ std::vector<Pose> GlobalLocalizer::candidates() {
   };
   add(alongWhatWasOpen());
   if (only_guess_) {
-    // Random poses around a guess find most poses, in half the time that prepared places take.
-    constexpr int kAlone = 3;  // keyframes
-    if (look_count_ > kAlone) add(search_.lookedUp(views, up_, SearchRegion::around(*guess_)));
+    add(search_.lookedUp(views, up_, SearchRegion::around(*guess_)));
     return found;
   }
   add(whereItLooksAlike());

@@ -77,7 +77,9 @@ struct BaseMotion {
 
   /// Whether an image after this motion becomes a keyframe: after search.keyframe_distance or
   /// search.keyframe_angle_deg, or, if odometry was missing, after search.keyframe_period.
-  bool isKeyframe(const SearchParameters& p) const {
+  /// @param at_rest_too as without odometry: time counts also where odometry tells no motion.
+  bool isKeyframe(const SearchParameters& p, bool at_rest_too = false) const {
+    if (at_rest_too && elapsed >= p.keyframe_period) return true;
     if (blind > 0) return elapsed >= p.keyframe_period;
     return step.translation().norm() >= p.keyframe_distance ||
            logSo3(step.linear()).norm() >= p.keyframe_angle_deg * kDegree;

@@ -19,8 +19,8 @@ double millisecondsSince(Clock::time_point begin) {
 }
 
 constexpr char kNoDistortionInImages[] =
-    ": the images fit the model better without the distortion of their calibration; if they are "
-    "rectified, say so with rectified=true, or give a calibration without distortion";
+    ": images fit the model better without the distortion of their calibration; if they are "
+    "rectified, give a calibration without distortion (a bag, or the node: rectified=true)";
 
 /// @param mask empty: none
 double maskedShare(const cv::Mat& mask) {

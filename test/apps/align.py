@@ -12,7 +12,7 @@ import tempfile
 import numpy as np
 
 sys.dont_write_bytecode = True  # no .pyc of command_line.py in the source directory
-from command_line import INPUT, OK, USAGE, Cases, check, failures, write
+from command_line import INCOMPLETE, INPUT, OK, USAGE, Cases, check, failures, write
 
 SCENARIO = '''model: %(maps)s/office.obj
 camera: %(source)s/test/data/small_camera.yaml
@@ -108,7 +108,33 @@ def main():
         r = c.run('align', '--points', pairs)
         check(r.returncode == INPUT and 'three pairs' in r.stderr, r.stderr)
 
+        local = np.array([[0, 0, 0], [8, 0, 0], [8, 6, 0], [0, 6, 0], [8, 6, 2.6], [0, 0, 2.6]], float)
+        far = np.array([691234.0, 5334567.0, 400.0])  # a model in UTM coordinates
+
+        def written(first, second, *more):
+            """Aligns by points; returns the exit code, the messages, and how far the written YAML is off."""
+            write(pairs, '\n'.join('%.6f %.6f %.6f  %.6f %.6f %.6f' % (*a, *b) for a, b in zip(first, second)))
+            r = c.run('align', '--points', pairs, '--out', out, *more)
+            with open(out) as text:
+                values = {line.split(':')[0].strip(): float(line.split(':')[1]) for line in text if line[0] == ' '}
+            back = values['scale'] * first @ rotation_of(values).T + [values[k] for k in 'xyz']
+            return r.returncode, r.stderr, np.linalg.norm(back - second, axis=1).max()
+        code, words, off = written((turned(YAW) @ local.T).T + far, local, '--keep-scale')
+        check(code == OK and off < 0.002, 'from UTM: %d %s %.4f m' % (code, words, off))
+        wrong = local.copy()
+        wrong[1, 0] += 1
+        for name, first, second, more, expected in (
+                ('a wrong point', local, wrong, (), 'without point 2 the others agree'),
+                ('a wrong point of four', local[:4] , wrong[:4], (), 'only'),
+                ('mirrored', local * [1, -1, 1], local, (), 'mirrored'),
+                ('a plan with y down', local[:4] * [1, -1, 1], local[:4], (), 'upside down'),
+                ('inches', local / 0.0254, local, ('--keep-scale',), 'when the scale is fitted')):
+            code, words, _ = written(first, second, *more)
+            check(code == INCOMPLETE and expected in words, '%s: %d %s' % (name, code, words))
+
         for status, words, arguments in (
+                (USAGE, 'needs no recording', ('align', flight, '--points', pairs)),
+                (INPUT, 'list of points', ('align', '--points', folder)),
                 (USAGE, '--points', ('align', '--model', model)),
                 (USAGE, '--model', ('align', flight)),
                 (INPUT, 'nowhere.txt', ('align', flight, '--model', model, '--poses', 'nowhere.txt')),

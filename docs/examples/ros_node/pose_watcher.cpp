@@ -22,6 +22,6 @@ int main(int argc, char** argv) {
   std::printf("%zu lines\n", map.edges().lines.size());
   if (!ros::master::check()) return 0;
   ros::NodeHandle node;
-  const ros::Subscriber status = node.subscribe("localizer/status", 10, print);
+  const ros::Subscriber status = node.subscribe("edge_mcl_localizer/status", 10, print);
   ros::spin();
 }

@@ -78,6 +78,30 @@ TEST(Search, ARoughGuessIsSearchedThereFirst) {
   }
 }
 
+/// A user gives a pose while the robot stands still. Odometry tells no motion, so keyframes come by
+/// time.
+TEST(Search, ARoughGuessIsFoundAtRestToo) {
+  constexpr double kEvery = 0.1;  // s
+  const Parameters params = quickSearch();
+  const LocalizationMap map(test::furnishedRooms(), params);
+  const std::vector<CameraView> views{test::viewInRoom(map)};
+  PoseGaussian guess;
+  guess.mean = test::roomView();
+  guess.mean.translation().x() += 0.2;
+  guess.covariance.diagonal() << 0.25, 0.25, 0.25, 0.003, 0.003, 0.07;
+  GlobalLocalizer search(map, 7);
+  search.begin(guess, true);
+  SearchReport report;
+  int images = 0;
+  do {
+    search.move(BaseMotion::of(params.filter, Pose::Identity(), kEvery));
+    report = search.process(views, std::nullopt);
+  } while (!report.converged && ++images < 40);
+  EXPECT_TRUE(report.converged);
+  EXPECT_TRUE(isRight(report.estimate.mean, test::roomView()));
+  EXPECT_LE(images, 20);
+}
+
 /// The robot rests, and its first image is dark. So hypotheses stay beside the pose until the
 /// second image moves them onto it, which is no motion of the robot. A refined pose is right to
 /// about a centimetre, which is 0.02 m/s over the time between the images. The guesses are 0.3 m
