@@ -93,17 +93,17 @@ std::string doubtOf(const std::vector<PointPair>& pairs, std::optional<double> s
   for (const PointPair& pair : pairs) middle += pair.to / static_cast<double>(pairs.size());
   double extent = 0;
   for (const PointPair& pair : pairs) extent = std::max(extent, (pair.to - middle).norm());
-  const bool is_down = fit.similarity.rotation(2, 2) < 0;
-  const std::string down =
+  constexpr char kDown[] =
       "the model comes out upside down; has one of the systems y down, or left-handed axes?";
-  if (fit.rms < kGood) return is_down ? down : "";
+  const bool is_down = fit.similarity.rotation(2, 2) < 0;
+  if (fit.rms < kGood) return is_down ? kDown : "";
   std::vector<PointPair> mirrored = pairs;
   for (PointPair& pair : mirrored) pair.from.x() = -pair.from.x();
   const double as_mirrored = rmsOf(mirrored, scale), scaled = scale ? rmsOf(pairs, {}) : INFINITY;
   if (kMuchBetter * as_mirrored < fit.rms)
     return "the points agree to " + textOf(as_mirrored) +
            " when an axis of the model is mirrored (map.mirror)";
-  if (is_down) return down;
+  if (is_down) return kDown;
   if (kMuchBetter * scaled < fit.rms)
     return "the points agree to " + textOf(scaled) + " when the scale is fitted, too";
   std::string wrong = wrongPoint(pairs, scale, fit);

@@ -68,7 +68,8 @@ bool DistortionCheck::look(const LocalizationMap& map, const CameraModel& camera
   sum_ += more;
   straight_ += more > 0 ? 1 : 0;
   const bool is_straight = asked_ >= kFewest && straight_ == asked_ && sum_ >= kClear;
-  if (is_straight) asked_ = kImages;
+  const bool is_bent = asked_ >= kFewest && sum_ <= -kClear;
+  if (is_straight || is_bent) asked_ = kImages;
   return is_straight;
 }
 
