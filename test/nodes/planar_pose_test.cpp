@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "edge_mcl/core/base/angles.h"
+#include "edge_mcl/core/base/error.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
 #include "support/scenes.h"
 
@@ -81,6 +82,12 @@ TEST_F(PlanarPose, ACameraThatIsTheBaseLooksWhereTheArrowPoints) {
   const PoseGaussian pose = completePlanar(clicked(2, 2.5, M_PI / 2), map_, context);
   EXPECT_TRUE(pose.mean.linear().col(2).isApprox(Eigen::Vector3d::UnitY(), 1e-9));
   EXPECT_TRUE(pose.mean.linear().col(1).isApprox(-Eigen::Vector3d::UnitZ(), 1e-9));
+}
+
+/// Rays from such a place end the process in Embree.
+TEST_F(PlanarPose, APlaceThatIsNotOnEarthIsRefused) {
+  EXPECT_THROW(completePlanar(clicked(1e39, 1, 0), map_, {}), InputError);
+  EXPECT_NO_THROW(completePlanar(clicked(5.4e6, 1, 0), map_, {}));
 }
 
 }  // namespace
