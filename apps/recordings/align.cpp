@@ -234,20 +234,12 @@ int run(AlignOptions o) {
   const std::string yaml = yamlOf(placement);
   if (!o.out.empty()) writeText(o.out, yaml);
   if (o.json) {
-    const MapParameters& m = placement.map;
-    std::printf("%s\n", textOf({{"scale", m.scale},
-                                {"position", {m.x, m.y, m.z}},
-                                {"yaw_deg", m.yaw_deg},
-                                {"pitch_deg", m.pitch_deg},
-                                {"roll_deg", m.roll_deg},
-                                {"sigma",
-                                 {{"position_m", fit.position_sigma},
-                                  {"angle_deg", fit.rotation_sigma / kDegree},
-                                  {"scale", fit.scale_sigma}}},
-                                {"images", aligned.pairs.images},
-                                {"tracked", aligned.pairs.tracked},
-                                {"used", fit.used}})
-                            .c_str());
+    nlohmann::json result =
+        jsonOf(placement, fit.position_sigma, fit.rotation_sigma, fit.scale_sigma);
+    result["images"] = aligned.pairs.images;
+    result["tracked"] = aligned.pairs.tracked;
+    result["used"] = fit.used;
+    std::printf("%s\n", textOf(result).c_str());
   } else {
     std::printf(
         "%s%zu of %zu images tracked, %zu poses agree: %.1f cm, %.2f deg rms\n"

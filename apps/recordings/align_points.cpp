@@ -121,20 +121,6 @@ void print(const Placement& placement, const PointFit& fit) {
   std::fputs(transformLine(placement, 1).c_str(), stdout);
 }
 
-nlohmann::json jsonOf(const Placement& placement, const PointFit& fit) {
-  const MapParameters& m = placement.map;
-  return {{"scale", m.scale},
-          {"position", {m.x, m.y, m.z}},
-          {"yaw_deg", m.yaw_deg},
-          {"pitch_deg", m.pitch_deg},
-          {"roll_deg", m.roll_deg},
-          {"sigma",
-           {{"position_m", fit.position_sigma},
-            {"angle_deg", fit.rotation_sigma / kDegree},
-            {"scale", fit.scale_sigma}}},
-          {"residuals_m", fit.residuals}};
-}
-
 }  // namespace
 
 int alignPoints(const std::string& file, const MapParameters& params, bool keep_scale,
@@ -151,10 +137,14 @@ int alignPoints(const std::string& file, const MapParameters& params, bool keep_
   // The points are those of the file, so no parameter has moved them.
   const Placement placement = placementOf(MapParameters(), 1, fit.similarity);
   if (!out.empty()) writeText(out, yamlOf(placement));
-  if (json)
-    std::printf("%s\n", textOf(jsonOf(placement, fit)).c_str());
-  else
+  if (json) {
+    nlohmann::json result =
+        jsonOf(placement, fit.position_sigma, fit.rotation_sigma, fit.scale_sigma);
+    result["residuals_m"] = fit.residuals;
+    std::printf("%s\n", textOf(result).c_str());
+  } else {
     print(placement, fit);
+  }
   const std::string doubt = doubtOf(pairs, scale, fit);
   if (!doubt.empty()) std::fprintf(stderr, "warning: %s: %s\n", file.c_str(), doubt.c_str());
   return doubt.empty() ? kExitOk : kExitIncomplete;

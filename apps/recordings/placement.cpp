@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "edge_mcl/core/base/angles.h"
 #include "edge_mcl/core/import/map_frame.h"
@@ -27,6 +28,20 @@ Placement placementOf(const MapParameters& used, double scale, const Similarity&
   placement.map.pitch_deg = std::asin(std::max(-1.0, std::min(1.0, -R(2, 0)))) / kDegree;
   placement.map.roll_deg = std::atan2(R(2, 1), R(2, 2)) / kDegree;
   return placement;
+}
+
+nlohmann::json jsonOf(const Placement& placement, double position_sigma, double rotation_sigma,
+                      double scale_sigma) {
+  const MapParameters& m = placement.map;
+  return {{"scale", m.scale},
+          {"position", {m.x, m.y, m.z}},
+          {"yaw_deg", m.yaw_deg},
+          {"pitch_deg", m.pitch_deg},
+          {"roll_deg", m.roll_deg},
+          {"sigma",
+           {{"position_m", position_sigma},
+            {"angle_deg", rotation_sigma / kDegree},
+            {"scale", scale_sigma}}}};
 }
 
 std::string yamlOf(const Placement& placement) {

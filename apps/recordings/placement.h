@@ -1,6 +1,7 @@
 /// Where a model file lies in another system, as parameters and as text.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "edge_mcl/core/base/measurement_parameters.h"
@@ -17,6 +18,11 @@ struct Placement {
 /// @param used parameters with which the map was made. @param scale of these, metres per unit of
 /// the file. @param s from the map to the other system.
 Placement placementOf(const MapParameters& used, double scale, const Similarity& s);
+
+/// The parameters with their standard deviations, for --json. @param position_sigma m
+/// @param rotation_sigma rad
+nlohmann::json jsonOf(const Placement& placement, double position_sigma, double rotation_sigma,
+                      double scale_sigma);
 
 /// The parameters map.*, for --params.
 std::string yamlOf(const Placement& placement);

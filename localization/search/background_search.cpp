@@ -190,8 +190,10 @@ void BackgroundSearch::run() {
   yieldToOthers(kSearchNice);
   std::optional<GlobalLocalizer> search;  // made in this thread, because that takes a while
   const int cores = tbb::info::default_concurrency();
-  // A search around a guess is short, and there is no pose yet that images could be used for.
+  // Somebody waits for a search around a guess. When it is not short, tracking goes first again.
+  constexpr int kShort = 8;  // keyframes
   tbb::task_arena whole(cores), half(std::max(1, cores / 2));
+  int keyframes = 0;  // of this search
   bool over_gap = false;
   // Without odometry nothing carries a result to the present but the images that wait. So a pose
   // that was found is followed through them before it is told.
@@ -202,12 +204,15 @@ void BackgroundSearch::run() {
     if (stop_) return;
     const std::optional<Begin> begin = std::exchange(begin_, std::nullopt);
     if (begin) only_there_ = begin->only_there;
-    if (begin) is_plausible = true;
+    if (begin) {
+      is_plausible = true;
+      keyframes = 0;
+    }
     // Hypotheses that explain little are hardly the right ones. They are not worth the time to
     // follow them through the images that wait.
     if (!is_plausible && waiting_.back().before.blind <= 0) skipToNewest();
     const bool uses_lookup = is_prepared_;
-    tbb::task_arena& arena = only_there_ ? whole : half;
+    tbb::task_arena& arena = only_there_ && keyframes < kShort ? whole : half;
     const View view = std::move(waiting_.front());
     waiting_.pop_front();
     const bool is_newest = waiting_.empty(), is_blind = view.before.blind > 0;
@@ -238,6 +243,7 @@ void BackgroundSearch::run() {
     lock.lock();
     if (begin_) continue;  // begin() was called meanwhile, so this result is outdated
     failure_ = failure;
+    keyframes = report.keyframes;
     if (report.keyframe) is_plausible = report.match_ratio >= kPlausible;
     if (failure || !(report.keyframe || is_blind)) continue;
     has_news = has_news || report.keyframe;

@@ -22,8 +22,8 @@ class GlobalLocalizer;
 /// while the search works. Hypotheses are only followed through keyframes that are not the newest;
 /// new hypotheses are searched for in the newest one. Odometry carries the result to the present. A
 /// pose is reported as stale when odometry has carried it too far, since the result or between two
-/// keyframes. The search uses at most half of the cores, and all for a search around a guess, which
-/// is short. Its result depends on the speed of the machine.
+/// keyframes. The search uses at most half of the cores, and all for the first keyframes around a
+/// guess. Its result depends on the speed of the machine.
 class BackgroundSearch : public PoseFinder {
  public:
   /// Starts the threads of the search and of the preparation. A search of the whole map waits until
