@@ -85,8 +85,13 @@ Eigen::Matrix3d rotationFromAngles(double roll, double pitch, double yaw) {
       .toRotationMatrix();
 }
 
+bool isOnEarth(const Eigen::Vector3d& position) {
+  constexpr double kFarthest = 1e8;  // m; the circumference of the earth is 4e7 m
+  return position.allFinite() && position.cwiseAbs().maxCoeff() <= kFarthest;
+}
+
 bool isValid(const Pose& pose) {
-  if (!pose.matrix().allFinite()) return false;
+  if (!pose.matrix().allFinite() || !isOnEarth(pose.translation())) return false;
   const Eigen::Matrix3d r = pose.linear();
   return (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
          r.determinant() > 0;

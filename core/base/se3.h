@@ -38,7 +38,11 @@ Matrix6 adjoint(const Pose& pose);
 /// Rotation about the fixed axes x, y, z in this order (REP 103), radians.
 Eigen::Matrix3d rotationFromAngles(double roll, double pitch, double yaw);
 
-/// Whether a pose is finite and its rotation is right-handed and orthonormal to 1e-6.
+/// Whether a position (m) is finite and at most 1e8 m from the origin along each axis. All
+/// coordinates in use on earth are smaller, and libraries of rays end the process far beyond.
+bool isOnEarth(const Eigen::Vector3d& position);
+/// Whether the position of a pose isOnEarth() and its rotation is finite, right-handed and
+/// orthonormal to 1e-6.
 bool isValid(const Pose& pose);
 /// Makes the rotation part orthonormal again, after many compositions.
 Pose normalized(const Pose& pose);

@@ -30,10 +30,9 @@ PoseFilter::PoseFilter(FilterParameters filter, RefinementParameters refinement)
 
 void PoseFilter::initialize(const PoseGaussian& gaussian) {
   if (!isValid(gaussian.mean) || !gaussian.covariance.allFinite())
-    throw InputError("filter: the initial pose or its covariance is not finite");
-  constexpr double kFarthest = 1e8;  // m; coordinates of the earth are smaller
-  if (gaussian.mean.translation().cwiseAbs().maxCoeff() > kFarthest)
-    throw InputError("filter: the initial pose is farther away than any place on earth");
+    throw InputError(
+        "filter: the initial pose or its covariance is not finite, or the pose is farther away "
+        "than any place on earth");
   const GaussianDensity density(gaussian);
   poses_.resize(params_.particles);
   for (Pose& pose : poses_) pose = density.draw(&random_);

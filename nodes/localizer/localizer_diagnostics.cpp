@@ -24,10 +24,13 @@ void diagnosePose(const LocalizerFacts& facts,
   const LiveResult& r = facts.result;
   const bool is_tracked = r.state == LocalizerState::kTracking && r.problem.empty();
   if (hasImages(facts, status)) {
+    std::string summary = nameOf(r.state);
+    if (r.state == LocalizerState::kSearching)
+      summary += ", " + std::to_string(r.search_keyframes) + " keyframes used";
     if (r.state == LocalizerState::kLost)
-      status->summary(Level::ERROR, nameOf(r.state));
+      status->summary(Level::ERROR, summary);
     else
-      status->summary(is_tracked ? Level::OK : Level::WARN, nameOf(r.state));
+      status->summary(is_tracked ? Level::OK : Level::WARN, summary);
   }
   status->add("state", nameOf(r.state));
   status->add("problem", r.problem);

@@ -194,6 +194,8 @@ std::string LocalizerNode::setPose(const geometry_msgs::PoseWithCovarianceStampe
     ROS_INFO("initial pose: %.2f %.2f %.2f m%s", pose.mean.translation().x(),
              pose.mean.translation().y(), pose.mean.translation().z(),
              is_planar ? "; it is searched for there, since height and tilt were not given" : "");
+    const std::string hint = hintBeside(localizer_->map().mesh(), pose.mean.translation());
+    if (!hint.empty()) ROS_WARN("initial pose: %s", hint.c_str());
     return "";
   } catch (const std::exception& e) {
     return e.what();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core/utility.hpp>
 #include <vector>
 
 #include "edge_mcl/core/base/angles.h"
@@ -86,6 +87,17 @@ PoseGaussian completePlanar(const geometry_msgs::PoseWithCovariance& message,
       std::max(message.covariance[35], kHeading * kHeading);
   pose.covariance = covarianceFromMapAxes(pose.mean, covariance);
   return pose;
+}
+
+std::string hintBeside(const MeshModel& mesh, const Eigen::Vector3d& position) {
+  const Eigen::Array2d place = position.head<2>().array();
+  const Eigen::Array2d low = mesh.lowest.head<2>().cast<double>().array();
+  const Eigen::Array2d high = mesh.highest.head<2>().cast<double>().array();
+  if ((place >= low).all() && (place <= high).all()) return "";
+  return cv::format(
+      "the position is beside the model, which lies from x = %.1f to %.1f m and from y = %.1f to "
+      "%.1f m",
+      low.x(), high.x(), low.y(), high.y());
 }
 
 }  // namespace edge_mcl

@@ -4,6 +4,7 @@
 #include <geometry_msgs/PoseWithCovariance.h>
 
 #include <optional>
+#include <string>
 
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/localization/filter/tilt_correction.h"
@@ -23,11 +24,15 @@ struct PlanarContext {
 
 /// Completes a planar pose. Without a last pose the height is that of the free space at this place,
 /// with a standard deviation that covers it.
-/// @return T_map_base with the covariance of the message, at least 0.5 m and 15 degrees, so that
-/// the
-///   pose is searched for around it.
+/// @return T_map_base with the covariance of the message, at least 0.5 m and 15 degrees. The pose
+///   is to be searched for around it.
 /// @throws InputError when the pose is wrong, see fromMessage()
 PoseGaussian completePlanar(const geometry_msgs::PoseWithCovariance& message,
                             const LocalizationMap& map, const PlanarContext& context);
+
+/// A hint for a person who has set a position (m, map) beside the model, seen from above. Such a
+/// position may be right outdoors. Mostly the fixed frame or the unit of the model is wrong.
+/// @return one line that names where the model lies; empty: the position is over or in the model
+std::string hintBeside(const MeshModel& mesh, const Eigen::Vector3d& position);
 
 }  // namespace edge_mcl

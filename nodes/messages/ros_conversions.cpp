@@ -29,8 +29,7 @@ Pose poseOf(double x, double y, double z, const geometry_msgs::Quaternion& q,
     throw InputError(origin + ": the pose is not finite");
   if (std::abs(rotation.norm() - 1) > 0.01)
     throw InputError(origin + ": the quaternion does not have unit length");
-  constexpr double kFarthest = 1e8;  // m; coordinates of the earth are smaller
-  if (std::max({std::abs(x), std::abs(y), std::abs(z)}) > kFarthest)
+  if (!isOnEarth({x, y, z}))
     throw InputError(origin + ": the position is farther away than any place on earth");
   Pose pose = Pose::Identity();
   pose.linear() = rotation.normalized().toRotationMatrix();

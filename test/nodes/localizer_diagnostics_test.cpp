@@ -36,7 +36,11 @@ TEST(LocalizerDiagnostics, EachPartTellsItsOwnFault) {
   EXPECT_EQ(levelOf(diagnoseImages, lost), Status::OK);
   LocalizerFacts searching = tracking();
   searching.result.state = LocalizerState::kSearching;
+  searching.result.search_keyframes = 3;
   EXPECT_EQ(levelOf(diagnosePose, searching), Status::WARN);
+  Status progress;
+  diagnosePose(searching, &progress);
+  EXPECT_EQ(progress.message, "searching, 3 keyframes used");
   LocalizerFacts dark = tracking();
   dark.result.updated = false;
   dark.result.problem = "dark";

@@ -84,6 +84,15 @@ TEST_F(PlanarPose, ACameraThatIsTheBaseLooksWhereTheArrowPoints) {
   EXPECT_TRUE(pose.mean.linear().col(1).isApprox(-Eigen::Vector3d::UnitZ(), 1e-9));
 }
 
+/// The rooms lie from 0 to 8 m along x and from 0 to 5 m along y.
+TEST_F(PlanarPose, BesideTheModelIsTold) {
+  EXPECT_EQ(hintBeside(map_.mesh(), {2, 2.5, 1}), "");
+  EXPECT_EQ(hintBeside(map_.mesh(), {2, 2.5, 9}), "");  // above it
+  const std::string hint = hintBeside(map_.mesh(), {-3, 2.5, 1});
+  EXPECT_NE(hint.find("beside the model"), std::string::npos) << hint;
+  EXPECT_NE(hintBeside(map_.mesh(), {2, 250, 1}), "");
+}
+
 /// Rays from such a place end the process in Embree.
 TEST_F(PlanarPose, APlaceThatIsNotOnEarthIsRefused) {
   EXPECT_THROW(completePlanar(clicked(1e39, 1, 0), map_, {}), InputError);

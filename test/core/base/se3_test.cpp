@@ -67,6 +67,17 @@ TEST(Se3, MapAxesCovarianceRoundTrip) {
   EXPECT_LT((covarianceFromMapAxes(g.mean, covarianceInMapAxes(g)) - g.covariance).norm(), 1e-12);
 }
 
+/// Rays that begin or end at such places end the process in a library.
+TEST(Se3, AValidPoseIsOnEarth) {
+  Pose pose = Pose::Identity();
+  pose.translation() << 5e5, -5.4e6, 200;  // m, national coordinates
+  EXPECT_TRUE(isValid(pose));
+  for (const double far : {1.1e8, -1e39, std::nan(""), HUGE_VAL}) {
+    pose.translation().y() = far;
+    EXPECT_FALSE(isValid(pose)) << far;
+  }
+}
+
 TEST(Se3, MeanOfNothingIsAnError) {
   EXPECT_THROW(meanAndCovariance({}, {}), Error);
   EXPECT_THROW(meanAndCovariance({Pose::Identity()}, {0.0}), Error);
