@@ -59,7 +59,7 @@ struct FilterParameters {
     v("walk_angular_acceleration_deg", walk_angular_acceleration_deg, "deg/s^2", notNegative(),
       "without odometry: angular acceleration that the constant-velocity model does not know of");
     v("velocity_smoothing", velocity_smoothing, "", from(0, 1),
-      "without odometry: weight of the newest velocity in the constant-velocity model");
+      "weight of the newest motion in the velocity that is kept for a time without odometry");
     v("resample_threshold", resample_threshold, "", from(0, 1),
       "particles are resampled when ESS/N (effective sample size over particles) is below this");
     v("ess_floor", ess_floor, "", between(0, 1),

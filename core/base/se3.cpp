@@ -1,6 +1,7 @@
 #include "edge_mcl/core/base/se3.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include <tbb/parallel_for.h>
 
@@ -108,6 +109,18 @@ double rotationAngle(const Pose& a, const Pose& b) {
 }
 
 Matrix6 inverseOf(const Matrix6& symmetric) { return symmetric.ldlt().solve(Matrix6::Identity()); }
+
+Matrix6 excessOver(const Matrix6& narrow, const Matrix6& wide) {
+  constexpr double kLeast = 1e-12;  // m^2 and rad^2, so that the covariance can be inverted
+  const Matrix6 factor =
+      Eigen::LLT<Matrix6>(narrow + kLeast * Matrix6::Identity()).matrixL().toDenseMatrix();
+  const Matrix6 inverse = factor.triangularView<Eigen::Lower>().solve(Matrix6::Identity().eval());
+  // In these axes `narrow` is the identity.
+  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(inverse * wide * inverse.transpose());
+  const Matrix6 directions = factor * axes.eigenvectors();
+  const Vector6 excess = (axes.eigenvalues().array() - 1).max(0);
+  return directions * excess.asDiagonal() * directions.transpose();
+}
 
 Twist solve(const Matrix6& symmetric, const Twist& right) { return symmetric.ldlt().solve(right); }
 

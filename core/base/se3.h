@@ -59,6 +59,9 @@ struct PoseGaussian {
 Matrix6 inverseOf(const Matrix6& symmetric);
 /// Solves `symmetric * x = right` by Cholesky decomposition.
 Twist solve(const Matrix6& symmetric, const Twist& right);
+/// What a covariance lacks in those directions in which another one is wider. The sum of `narrow`
+/// and the result is at least `narrow` and at least `wide` in every direction.
+Matrix6 excessOver(const Matrix6& narrow, const Matrix6& wide);
 /// Squared Mahalanobis distance: offset^T covariance^-1 offset.
 double squaredMahalanobis(const Twist& offset, const Matrix6& covariance);
 

@@ -26,6 +26,12 @@ constexpr double kRememberedImages = 30;
 /// refinement assume.
 constexpr double kNewInformation = 0.5, kPlainOffset = 0.6;  // 1, pixels
 
+/// Velocity of a robot of which nothing is known: a flying robot indoors, per axis.
+constexpr double kUsualSpeed = 0.5, kUsualTurn = 0.5;  // m/s, rad/s
+/// Accelerations change the velocity by what they add in this time, before others take it away. A
+/// quadrotor of 1 m/s^2 flies at 0.5 m/s indoors.
+constexpr double kAccelerationTime = 0.5;  // s
+
 Eigen::Matrix3d priorOfCalibration() {
   return Eigen::Vector3d(1 / (kPriorFocal * kPriorFocal), 1 / (kPriorCentre * kPriorCentre),
                          1 / (kPriorCentre * kPriorCentre))
@@ -34,41 +40,89 @@ Eigen::Matrix3d priorOfCalibration() {
 
 }  // namespace
 
-void EstimateCovariance::reset(const Matrix6& covariance) {
-  spread(covariance);
-  by_calibration_.setZero();
+double keptVelocity(double dt) {
+  constexpr double kTime = 5;  // s, in which a robot indoors turns or stops
+  return std::exp(-dt / kTime);
 }
 
-void EstimateCovariance::spread(const Matrix6& covariance) {
-  noise_ = refined_ = covariance;
+void EstimateCovariance::reset(const Matrix6& covariance) {
+  noise_.setZero();
+  noise_.topLeftCorner<6, 6>() = refined_ = covariance;
   by_piece_.clear();
+  by_calibration_.setZero();
+  forgetVelocity();
+}
+
+void EstimateCovariance::forgetVelocity() {
+  Vector6 usual;
+  usual << Eigen::Vector3d::Constant(kUsualSpeed), Eigen::Vector3d::Constant(kUsualTurn);
+  setVelocity(usual);
+}
+
+void EstimateCovariance::setVelocity(const Vector6& sigma) {
+  Matrix12 map = Matrix12::Zero();
+  map.topLeftCorner<6, 6>().setIdentity();
+  transform(map);
+  noise_.diagonal().tail<6>() = sigma.cwiseAbs2();
+}
+
+void EstimateCovariance::widen(const Matrix6& covariance) {
+  noise_.topLeftCorner<6, 6>() += excessOver(ofMotion() + ofLines(), covariance);
+  refined_ += excessOver(refined_, covariance);
+}
+
+void EstimateCovariance::transform(const Matrix12& map) {
+  noise_ = map * noise_ * map.transpose();
+  for (auto& [key, shift] : by_piece_) shift = map * shift;
+  by_calibration_ = map * by_calibration_;
 }
 
 void EstimateCovariance::move(const Pose& increment, const Vector6& noise_variance) {
-  const Matrix6 to_new_axes = adjoint(increment.inverse());
-  noise_ = to_new_axes * noise_ * to_new_axes.transpose();
-  noise_.diagonal() += noise_variance;
-  for (auto& [key, shift] : by_piece_) shift = to_new_axes * shift;
-  by_calibration_ = to_new_axes * by_calibration_;
+  Matrix12 map = Matrix12::Zero();
+  map.topLeftCorner<6, 6>() = adjoint(increment.inverse());
+  transform(map);
+  noise_.diagonal().head<6>() += noise_variance;
+  forgetVelocity();
+  by_velocity_ = false;
+}
+
+void EstimateCovariance::moveByVelocity(const Pose& increment, const Vector6& noise_variance,
+                                        double dt, const Vector6& acceleration) {
+  const double kept = keptVelocity(dt);
+  Matrix12 map = kept * Matrix12::Identity();
+  map.topLeftCorner<6, 6>() = adjoint(increment.inverse());
+  map.topRightCorner<6, 6>() = dt * Matrix6::Identity();
+  transform(map);
+  noise_.diagonal().head<6>() += noise_variance;
+  noise_.diagonal().tail<6>() += (1 - kept * kept) * (kAccelerationTime * acceleration).cwiseAbs2();
+  by_velocity_ = true;
 }
 
 void EstimateCovariance::correct(const PoseObservation& seen, const Matrix6& prior) {
   const Matrix6 prior_information = inverseOf(prior + 1e-12 * Matrix6::Identity());
   refined_ = inverseOf(prior_information + seen.information + seen.depth_information);
-  const Matrix6 forget = refined_ * prior_information;
-  noise_ = forget * noise_ * forget.transpose();
-  noise_ += refined_ * seen.depth_information * refined_;
+  velocity_gain_.setZero();
+  if (by_velocity_)
+    velocity_gain_ =
+        noise_.bottomLeftCorner<6, 6>() * inverseOf(ofMotion() + 1e-12 * Matrix6::Identity());
+  // The pose moves by refined_ * (...) - (1 - forget) * error, and the velocity by the gain times
+  // this.
+  Matrix12 forget = Matrix12::Identity();
+  forget.topLeftCorner<6, 6>() = refined_ * prior_information;
+  forget.bottomLeftCorner<6, 6>() =
+      velocity_gain_ * (forget.topLeftCorner<6, 6>() - Matrix6::Identity());
+  Eigen::Matrix<double, 12, 6> pulled;
+  pulled << refined_, velocity_gain_ * refined_;
+  transform(forget);
+  noise_ += pulled * seen.depth_information * pulled.transpose();
   // A line that has been out of view for long has no effect any more: below a hundredth of a
   // millimetre per pixel.
   constexpr double kNegligible = 1e-5;
-  for (auto it = by_piece_.begin(); it != by_piece_.end();) {
-    it->second = forget * it->second;
+  for (auto it = by_piece_.begin(); it != by_piece_.end();)
     it = it->second.norm() < kNegligible ? by_piece_.erase(it) : std::next(it);
-  }
   for (const PoseObservation::Piece& piece : seen.pieces)
-    by_piece_.try_emplace(piece.key, Vector6::Zero()).first->second += refined_ * piece.pull;
-  by_calibration_ = forget * by_calibration_;
-  for (const CameraObservation& camera : seen.cameras) by_calibration_ += refined_ * camera.pull;
+    by_piece_.try_emplace(piece.key, Vector12::Zero()).first->second += pulled * piece.pull;
+  for (const CameraObservation& camera : seen.cameras) by_calibration_ += pulled * camera.pull;
   learnOffsets(seen);
   learnCalibration(seen);
 }
@@ -111,16 +165,22 @@ Eigen::Vector3d EstimateCovariance::calibrationError() const {
   return (calibration_information_ + priorOfCalibration()).ldlt().solve(calibration_gradient_);
 }
 
-Matrix6 EstimateCovariance::covariance() const {
+Matrix6 EstimateCovariance::ofLines() const {
   Matrix6 of_lines = Matrix6::Zero();
-  for (const auto& [key, shift] : by_piece_) of_lines.noalias() += shift * shift.transpose();
+  for (const auto& [key, shift] : by_piece_)
+    of_lines.noalias() += shift.head<6>() * shift.head<6>().transpose();
   const double sigma = lineSigma();
+  return sigma * sigma * of_lines;
+}
+
+Matrix6 EstimateCovariance::covariance() const {
   // The known error counts as well, since it is not removed from the images.
   const Eigen::Vector3d error = calibrationError();
   const Eigen::Matrix3d information = calibration_information_ + priorOfCalibration();
   const Eigen::Matrix3d moment =
       information.ldlt().solve(Eigen::Matrix3d::Identity()) + error * error.transpose();
-  return noise_ + sigma * sigma * of_lines + by_calibration_ * moment * by_calibration_.transpose();
+  const Eigen::Matrix<double, 6, 3> shift = by_calibration_.topRows<6>();
+  return ofMotion() + ofLines() + shift * moment * shift.transpose();
 }
 
 }  // namespace edge_mcl

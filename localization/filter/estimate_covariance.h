@@ -9,6 +9,10 @@
 
 namespace edge_mcl {
 
+/// Share of a velocity that is left after a time. Velocities are an Ornstein-Uhlenbeck process, so
+/// that a robot that is not seen does not fly on for ever. @param dt s
+double keptVelocity(double dt);
+
 /// Follows how the errors of motion, of the model's lines and of the camera's calibration add up to
 /// the error of the estimate.
 ///
@@ -19,24 +23,48 @@ namespace edge_mcl {
 /// A s_l + P p_l and does not average away. This is the Schmidt-Kalman filter with the lines as
 /// considered parameters.
 ///
+/// Without odometry the motion is predicted by a velocity. An error of the velocity moves the
+/// prediction by the same amount in every step, so it does not average away where images do not
+/// show the motion. So the velocity has errors of its own here, and an update moves the velocity v
+/// by the gain of a Kalman filter: v = v' + C^T P'^-1 (x - x'), where C is the covariance of the
+/// errors of pose and velocity.
+///
 /// How large the b_l are is learnt from the residuals of the lines. Errors of focal length and
 /// principal point are the same in every image, too. They are learnt from the part of the residuals
 /// that no pose explains.
 class EstimateCovariance {
  public:
-  /// Starts at a pose whose error has nothing to do with the lines.
+  EstimateCovariance() { reset(Matrix6::Zero()); }
+  /// Starts at a pose whose error has nothing to do with the lines. The velocity is that of a robot
+  /// of which nothing is known.
   void reset(const Matrix6& covariance);
-  /// Takes this covariance for the errors of motion and of lines, after correct(). An error of the
-  /// calibration has moved the estimate all the same, so its share stays.
-  void spread(const Matrix6& covariance);
-  /// Moves the pose. @param noise_variance of the step, per axis after the step.
+  /// The velocity has become known. @param sigma standard deviations, m/s and rad/s
+  void setVelocity(const Vector6& sigma);
+  /// Nothing is known of the velocity any more.
+  void forgetVelocity();
+  /// Whether the last motion was predicted by the velocity.
+  bool isByVelocity() const { return by_velocity_; }
+  /// Widens the errors of motion and of lines to this covariance in the directions in which they
+  /// are smaller.
+  void widen(const Matrix6& covariance);
+  /// Moves the pose by odometry. @param noise_variance of the step, per axis after the step.
   void move(const Pose& increment, const Vector6& noise_variance);
+  /// Moves the pose by the velocity.
+  /// @param dt duration, s
+  /// @param acceleration standard deviation of accelerations, m/s^2 and rad/s^2
+  void moveByVelocity(const Pose& increment, const Vector6& noise_variance, double dt,
+                      const Vector6& acceleration);
   /// Adds a correction by images.
   /// @param prior covariance of the Gaussian that the refinement was pulled to.
   void correct(const PoseObservation& seen, const Matrix6& prior);
+  /// Correction of the velocity for a correction of the pose in the last correct(), 1/s. It is 0
+  /// when the motion was not predicted by the velocity.
+  const Matrix6& velocityGain() const { return velocity_gain_; }
 
   /// Covariance of the estimate, in its tangent space (base frame).
   Matrix6 covariance() const;
+  /// The part of the covariance that start and motion are the cause of.
+  Matrix6 ofMotion() const { return noise_.topLeftCorner<6, 6>(); }
   /// Covariance after the last correction if lines were independent, as the refinement assumes.
   const Matrix6& refined() const { return refined_; }
   /// Standard deviation of the offset between a piece of a line and its image edge, scaled pixels.
@@ -45,15 +73,23 @@ class EstimateCovariance {
   Eigen::Vector3d calibrationError() const;
 
  private:
+  using Vector12 = Eigen::Matrix<double, 12, 1>;  // errors of pose and velocity
+  using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
   void learnOffsets(const PoseObservation& seen);
   void learnCalibration(const PoseObservation& seen);
+  /// Applies a linear map to the errors of pose and velocity, whatever their cause.
+  void transform(const Matrix12& map);
+  Matrix6 ofLines() const;
 
-  Matrix6 noise_ = Matrix6::Zero();    // from the start and from motion
+  Matrix12 noise_;                     // from the start and from motion
   Matrix6 refined_ = Matrix6::Zero();  // see refined()
-  // Error of the estimate per unit of an error. The numbers of pieces fit in memory: at most those
-  // of lines that were in view lately.
-  std::map<uint32_t, Vector6> by_piece_;
-  Eigen::Matrix<double, 6, 3> by_calibration_ = Eigen::Matrix<double, 6, 3>::Zero();
+  bool by_velocity_ = false;           // the last motion was predicted by the velocity
+  Matrix6 velocity_gain_ = Matrix6::Zero();
+  // Errors per unit of an error. The numbers of pieces fit in memory: at most those of lines that
+  // were in view lately.
+  std::map<uint32_t, Vector12> by_piece_;
+  Eigen::Matrix<double, 12, 3> by_calibration_ = Eigen::Matrix<double, 12, 3>::Zero();
   Eigen::Matrix3d calibration_information_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d calibration_gradient_ = Eigen::Vector3d::Zero();
   double squares_ = 0, count_ = 0;  // of the offsets of pieces, pixel^2

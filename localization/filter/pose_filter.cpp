@@ -91,76 +91,6 @@ void PoseFilter::resampleIfNeeded() {
   log_weights_.assign(poses_.size(), 0);
 }
 
-void PoseFilter::addNoise(const Vector6& scale) {
-  for (Pose& pose : poses_)
-    pose = normalized(pose * expSe3(scale.cwiseProduct(random_.normalTwist())));
-  noise_variance_ += scale.cwiseAbs2();
-}
-
-void PoseFilter::moveEstimate(const Pose& increment, const Twist& noise_before) {
-  const Matrix6 to_new_axes = adjoint(increment.inverse());
-  estimate_.mean = normalized(estimate_.mean * increment);
-  estimate_.covariance = to_new_axes * estimate_.covariance * to_new_axes.transpose();
-  estimate_.covariance.diagonal() += noise_variance_ - noise_before;
-  covariance_.move(increment, noise_variance_ - noise_before);
-}
-
-void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
-  if (!isValid(increment) || !std::isfinite(dt) || dt < 0)
-    throw InputError(
-        "filter: the odometry increment is not finite, or its time is negative or not finite");
-  resampleIfNeeded();
-  const Vector6 noise_before = noise_variance_;
-  for (Pose& pose : poses_) pose = pose * increment;
-  addNoise(odometry_noise_factor_ * odometryNoise(params_, increment, dt));
-  moveEstimate(increment, noise_before);
-  since_last_estimate_ += dt;
-}
-
-void PoseFilter::predictWithoutOdometry(double dt, std::optional<double> elapsed) {
-  if (!std::isfinite(dt) || dt < 0)
-    throw InputError("filter: the time step is negative or not finite");
-  resampleIfNeeded();
-  const Pose increment = expSe3(velocity_ * dt);
-  const Vector6 noise_before = noise_variance_;
-  for (Pose& pose : poses_) pose = pose * increment;
-  addNoise(walkNoise(params_, dt));
-  moveEstimate(increment, noise_before);
-  since_last_estimate_ += elapsed.value_or(dt);
-}
-
-bool PoseFilter::correctTilt(const UpReading& reading) {
-  if (!reading.up_base.allFinite() || reading.up_base.norm() < 0.5 || !(reading.sigma > 0))
-    throw InputError(
-        "filter: the reading of roll and pitch is not a finite direction with a positive sigma");
-  if (!edge_mcl::correctTilt(reading, normalizedWeights(), &random_, &poses_)) return false;
-  estimate_ = edge_mcl::correctTilt(reading, estimate_);
-  return true;
-}
-
-void PoseFilter::trackVelocity() {
-  // Over a shorter time the velocity would be nothing but the noise of the estimates.
-  constexpr double kShortest = 0.005;  // s
-  if (last_estimate_ && since_last_estimate_ < kShortest) return;
-  if (last_estimate_) {
-    // While the filter converges, its estimates jump. Their covariance is large then, and the
-    // newest velocity gets little weight against the velocity known before.
-    // Assumed standard deviations of a velocity: m/s, rad/s.
-    constexpr double kUsualSpeed = 1, kUsualTurn = 1;
-    const Twist newest =
-        logSe3(last_estimate_->mean.inverse() * estimate_.mean) / since_last_estimate_;
-    for (int i = 0; i < 6; ++i) {
-      const double known = square(i < 3 ? kUsualSpeed : kUsualTurn);
-      const double noise = (last_estimate_->covariance(i, i) + estimate_.covariance(i, i)) /
-                           square(since_last_estimate_);
-      velocity_[i] +=
-          params_.velocity_smoothing * known / (known + noise) * (newest[i] - velocity_[i]);
-    }
-  }
-  last_estimate_ = estimate_;
-  since_last_estimate_ = 0;
-}
-
 namespace {
 
 /// Whether the index belongs to an evenly spaced share of all indices. After resampling, neighbours
@@ -324,7 +254,7 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
     // The particles are spread wider than the refinement reaches, so it may have found another mode
     // than that of the true pose. The spread of the particles tells.
     const Twist shift = logSe3(estimate_.mean.inverse() * cloud.mean);
-    covariance_.spread(cloud.covariance + shift * shift.transpose());
+    covariance_.widen(cloud.covariance + shift * shift.transpose());
   }
   // In clean rooms the variance of the particles is up to this many times that of the refinement.
   constexpr double kWide = 6;
@@ -376,7 +306,7 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
   const auto begin = Clock::now();
   UpdateReport report;
   const std::vector<CameraView> views = withoutBias(map, raw_views);
-  const Pose expected = estimate_.mean;
+  const PoseGaussian expected = estimate_;
   report.innovation_of_images = covariance_.refined();
   // Particles are weighed by a share of the samples, to save time. Single poses are scored by all.
   std::vector<CameraView> thinned = views;
@@ -433,10 +363,10 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
   if (report.visible_lines > 0) edges_fit_.add(report.evidence_per_line, params_);
   if (report.depth_points > 0) depth_fit_.add(report.depth_agreement, params_);
   if (report.has_information) {
-    report.innovation = logSe3(expected.inverse() * estimate_.mean);
+    report.innovation = logSe3(expected.mean.inverse() * estimate_.mean);
     report.innovation_of_images += covariance_.refined();
     learnBias(map, views, &report);
-    trackVelocity();
+    trackVelocity(expected);
   }
   report.total_ms = millisecondsSince(begin);
   return report;

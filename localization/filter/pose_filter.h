@@ -81,7 +81,9 @@ class PoseFilter {
 
   /// Sets the velocity of the base, for predictions without odometry. initialize() and
   /// setParticles() set it to 0. @param velocity base frame, m/s and rad/s.
-  void setVelocity(const Twist& velocity) { velocity_ = velocity; }
+  void setVelocity(const Twist& velocity);
+  /// Nothing is known of the velocity any more.
+  void forgetVelocity();
 
   /// Corrects particles and estimate by a reading of roll and pitch. @return false when the reading
   /// contradicts the particles. It is then left out. @throws InputError when the vector is not
@@ -109,7 +111,12 @@ class PoseFilter {
   void addNoise(const Vector6& scale);
   /// @param noise_before noise_variance_ before the noise of this step was added.
   void moveEstimate(const Pose& increment, const Twist& noise_before);
-  void trackVelocity();
+  /// The same for motion that the velocity predicted. The particles are spread as far as errors of
+  /// the velocity may have moved the pose. @param noise variance of the step
+  void moveByVelocity(const Pose& increment, const Vector6& noise, double dt);
+  /// Learns the velocity from an update. @param expected the estimate before it
+  void trackVelocity(const PoseGaussian& expected);
+  void correctVelocity(const PoseGaussian& expected);
   /// One pass: draws particles around refined poses, then multiplies the weights by the tempered
   /// likelihood. @param thinned the views with thinned samples, for the particles.
   /// @param remaining_exponent 1 minus the exponents of the passes before.
