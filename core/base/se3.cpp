@@ -119,7 +119,9 @@ Matrix6 excessOver(const Matrix6& narrow, const Matrix6& wide) {
   const Eigen::SelfAdjointEigenSolver<Matrix6> axes(inverse * wide * inverse.transpose());
   const Matrix6 directions = factor * axes.eigenvectors();
   const Vector6 excess = (axes.eigenvalues().array() - 1).max(0);
-  return directions * excess.asDiagonal() * directions.transpose();
+  const Matrix6 result = directions * excess.asDiagonal() * directions.transpose();
+  // A `narrow` that is no covariance has no factor.
+  return result.allFinite() ? result : Matrix6::Zero().eval();
 }
 
 Twist solve(const Matrix6& symmetric, const Twist& right) { return symmetric.ldlt().solve(right); }

@@ -28,9 +28,10 @@ constexpr double kNewInformation = 0.5, kPlainOffset = 0.6;  // 1, pixels
 
 /// Velocity of a robot of which nothing is known: a flying robot indoors, per axis.
 constexpr double kUsualSpeed = 0.5, kUsualTurn = 0.5;  // m/s, rad/s
-/// Accelerations change the velocity by what they add in this time, before others take it away. A
-/// quadrotor of 1 m/s^2 flies at 0.5 m/s indoors.
-constexpr double kAccelerationTime = 0.5;  // s
+/// A velocity is forgotten over this time: a robot indoors turns or stops.
+constexpr double kVelocityTime = 5;  // s
+/// Velocity of a robot that accelerates by 1 m/s^2 (rad/s^2), per axis: it is the usual one.
+constexpr double kVelocityPerAcceleration = 0.5;  // s
 
 Eigen::Matrix3d priorOfCalibration() {
   return Eigen::Vector3d(1 / (kPriorFocal * kPriorFocal), 1 / (kPriorCentre * kPriorCentre),
@@ -40,16 +41,17 @@ Eigen::Matrix3d priorOfCalibration() {
 
 }  // namespace
 
-double keptVelocity(double dt) {
-  constexpr double kTime = 5;  // s, in which a robot indoors turns or stops
-  return std::exp(-dt / kTime);
-}
+double keptVelocity(double dt) { return std::exp(-dt / kVelocityTime); }
+
+double timeOfVelocity(double dt) { return kVelocityTime * (1 - keptVelocity(dt)); }
 
 void EstimateCovariance::reset(const Matrix6& covariance) {
   noise_.setZero();
   noise_.topLeftCorner<6, 6>() = refined_ = covariance;
   by_piece_.clear();
   by_calibration_.setZero();
+  by_velocity_ = false;
+  velocity_gain_.setZero();
   forgetVelocity();
 }
 
@@ -72,7 +74,8 @@ void EstimateCovariance::widen(const Matrix6& covariance) {
 }
 
 void EstimateCovariance::transform(const Matrix12& map) {
-  noise_ = map * noise_ * map.transpose();
+  noise_ = (map * noise_ * map.transpose()).eval();
+  noise_ = (0.5 * (noise_ + noise_.transpose())).eval();  // rounding makes it uneven
   for (auto& [key, shift] : by_piece_) shift = map * shift;
   by_calibration_ = map * by_calibration_;
 }
@@ -87,14 +90,15 @@ void EstimateCovariance::move(const Pose& increment, const Vector6& noise_varian
 }
 
 void EstimateCovariance::moveByVelocity(const Pose& increment, const Vector6& noise_variance,
-                                        double dt, const Vector6& acceleration) {
-  const double kept = keptVelocity(dt);
+                                        double dt, double elapsed, const Vector6& acceleration) {
+  const double kept = keptVelocity(elapsed);
   Matrix12 map = kept * Matrix12::Identity();
   map.topLeftCorner<6, 6>() = adjoint(increment.inverse());
-  map.topRightCorner<6, 6>() = dt * Matrix6::Identity();
+  map.topRightCorner<6, 6>() = timeOfVelocity(dt) * Matrix6::Identity();
   transform(map);
   noise_.diagonal().head<6>() += noise_variance;
-  noise_.diagonal().tail<6>() += (1 - kept * kept) * (kAccelerationTime * acceleration).cwiseAbs2();
+  noise_.diagonal().tail<6>() +=
+      (1 - kept * kept) * (kVelocityPerAcceleration * acceleration).cwiseAbs2();
   by_velocity_ = true;
 }
 
@@ -125,6 +129,21 @@ void EstimateCovariance::correct(const PoseObservation& seen, const Matrix6& pri
   for (const CameraObservation& camera : seen.cameras) by_calibration_ += pulled * camera.pull;
   learnOffsets(seen);
   learnCalibration(seen);
+}
+
+Eigen::Matrix<double, 6, 2> EstimateCovariance::correctDirections(
+    const Eigen::Matrix<double, 6, 2>& read, double sigma) {
+  Eigen::Matrix<double, 12, 2> directions = Eigen::Matrix<double, 12, 2>::Zero();
+  directions.topRows<6>() = read;
+  const Eigen::Matrix2d known = read.transpose() * ofMotion() * read;
+  const double noise = sigma * sigma;
+  if (known.trace() < 2 * noise) return Eigen::Matrix<double, 6, 2>::Zero();
+  const Eigen::Matrix2d innovation = known + noise * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix<double, 12, 2> gain =
+      noise_ * directions * innovation.ldlt().solve(Eigen::Matrix2d::Identity());
+  transform(Matrix12::Identity() - gain * directions.transpose());
+  noise_ += noise * gain * gain.transpose();
+  return gain.bottomRows<6>();
 }
 
 void EstimateCovariance::learnOffsets(const PoseObservation& seen) {

@@ -12,6 +12,9 @@ namespace edge_mcl {
 /// Share of a velocity that is left after a time. Velocities are an Ornstein-Uhlenbeck process, so
 /// that a robot that is not seen does not fly on for ever. @param dt s
 double keptVelocity(double dt);
+/// Time for which the velocity at the beginning would have to last, to move as far as a velocity
+/// that is forgotten. It is at most 5 s, however long the clock says. @param dt s
+double timeOfVelocity(double dt);
 
 /// Follows how the errors of motion, of the model's lines and of the camera's calibration add up to
 /// the error of the estimate.
@@ -26,8 +29,9 @@ double keptVelocity(double dt);
 /// Without odometry the motion is predicted by a velocity. An error of the velocity moves the
 /// prediction by the same amount in every step, so it does not average away where images do not
 /// show the motion. So the velocity has errors of its own here, and an update moves the velocity v
-/// by the gain of a Kalman filter: v = v' + C^T P'^-1 (x - x'), where C is the covariance of the
-/// errors of pose and velocity.
+/// by the gain of a Kalman filter: v = v' + C^T M^-1 (x - x'). C is the covariance of the errors of
+/// pose and velocity, and M that of the pose by start and motion. Errors of lines are no motion, so
+/// they do not count in M.
 ///
 /// How large the b_l are is learnt from the residuals of the lines. Errors of focal length and
 /// principal point are the same in every image, too. They are learnt from the part of the residuals
@@ -50,20 +54,26 @@ class EstimateCovariance {
   /// Moves the pose by odometry. @param noise_variance of the step, per axis after the step.
   void move(const Pose& increment, const Vector6& noise_variance);
   /// Moves the pose by the velocity.
-  /// @param dt duration, s
-  /// @param acceleration standard deviation of accelerations, m/s^2 and rad/s^2
+  /// @param dt duration of the motion, s. @param elapsed time over which the velocity was
+  /// forgotten, s. @param acceleration standard deviation of accelerations, m/s^2 and rad/s^2
   void moveByVelocity(const Pose& increment, const Vector6& noise_variance, double dt,
-                      const Vector6& acceleration);
+                      double elapsed, const Vector6& acceleration);
   /// Adds a correction by images.
   /// @param prior covariance of the Gaussian that the refinement was pulled to.
   void correct(const PoseObservation& seen, const Matrix6& prior);
+  /// Adds a measurement of two directions of the pose, if it is more exact than what is known. The
+  /// errors of such readings last, so that many of them are no better than one.
+  /// @param read the directions, base frame. @param sigma of the measurement
+  /// @return correction of the velocity for the error along these directions
+  Eigen::Matrix<double, 6, 2> correctDirections(const Eigen::Matrix<double, 6, 2>& read,
+                                                double sigma);
   /// Correction of the velocity for a correction of the pose in the last correct(), 1/s. It is 0
   /// when the motion was not predicted by the velocity.
   const Matrix6& velocityGain() const { return velocity_gain_; }
 
   /// Covariance of the estimate, in its tangent space (base frame).
   Matrix6 covariance() const;
-  /// The part of the covariance that start and motion are the cause of.
+  /// The part of the covariance that comes from the start, from motion and from depth.
   Matrix6 ofMotion() const { return noise_.topLeftCorner<6, 6>(); }
   /// Covariance after the last correction if lines were independent, as the refinement assumes.
   const Matrix6& refined() const { return refined_; }
@@ -86,8 +96,8 @@ class EstimateCovariance {
   Matrix6 refined_ = Matrix6::Zero();  // see refined()
   bool by_velocity_ = false;           // the last motion was predicted by the velocity
   Matrix6 velocity_gain_ = Matrix6::Zero();
-  // Errors per unit of an error. The numbers of pieces fit in memory: at most those of lines that
-  // were in view lately.
+  // Errors of pose and velocity per unit of an offset or error. The numbers of pieces fit in
+  // memory: at most those of lines that were in view lately.
   std::map<uint32_t, Vector12> by_piece_;
   Eigen::Matrix<double, 12, 3> by_calibration_ = Eigen::Matrix<double, 12, 3>::Zero();
   Eigen::Matrix3d calibration_information_ = Eigen::Matrix3d::Zero();

@@ -306,7 +306,7 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
   const auto begin = Clock::now();
   UpdateReport report;
   const std::vector<CameraView> views = withoutBias(map, raw_views);
-  const PoseGaussian expected = estimate_;
+  const PoseGaussian expected{estimate_.mean, covariance_.covariance()};
   report.innovation_of_images = covariance_.refined();
   // Particles are weighed by a share of the samples, to save time. Single poses are scored by all.
   std::vector<CameraView> thinned = views;
@@ -366,7 +366,7 @@ UpdateReport PoseFilter::update(const LocalizationMap& map,
     report.innovation = logSe3(expected.mean.inverse() * estimate_.mean);
     report.innovation_of_images += covariance_.refined();
     learnBias(map, views, &report);
-    trackVelocity(expected);
+    trackVelocity({predictive->core().mean, expected.covariance});
   }
   report.total_ms = millisecondsSince(begin);
   return report;

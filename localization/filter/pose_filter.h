@@ -75,14 +75,15 @@ class PoseFilter {
   void predictWithOdometry(const Pose& increment, double dt);
   /// Resamples if needed and moves all particles with constant velocity and noise.
   /// @param dt duration that is predicted, seconds. @param elapsed the time that has really passed,
-  /// seconds, if it is longer. Only the velocity of the next update uses it.
+  /// seconds, if it is longer. The velocity is forgotten over this time.
   /// @throws InputError when dt is negative or not finite.
   void predictWithoutOdometry(double dt, std::optional<double> elapsed = std::nullopt);
 
-  /// Sets the velocity of the base, for predictions without odometry. initialize() and
-  /// setParticles() set it to 0. @param velocity base frame, m/s and rad/s.
+  /// Sets the velocity of the base, for predictions without odometry, with standard deviations of
+  /// 0.2 m/s and 0.2 rad/s. initialize() and setParticles() forget it.
+  /// @param velocity base frame, m/s and rad/s.
   void setVelocity(const Twist& velocity);
-  /// Nothing is known of the velocity any more.
+  /// The velocity is 0, with the standard deviations of a robot of which nothing is known.
   void forgetVelocity();
 
   /// Corrects particles and estimate by a reading of roll and pitch. @return false when the reading
@@ -111,12 +112,15 @@ class PoseFilter {
   void addNoise(const Vector6& scale);
   /// @param noise_before noise_variance_ before the noise of this step was added.
   void moveEstimate(const Pose& increment, const Twist& noise_before);
-  /// The same for motion that the velocity predicted. The particles are spread as far as errors of
-  /// the velocity may have moved the pose. @param noise variance of the step
-  void moveByVelocity(const Pose& increment, const Vector6& noise, double dt);
-  /// Learns the velocity from an update. @param expected the estimate before it
-  void trackVelocity(const PoseGaussian& expected);
-  void correctVelocity(const PoseGaussian& expected);
+  /// As moveEstimate(), for motion that the velocity predicted. The particles are spread as far as
+  /// errors of the velocity may have moved the pose.
+  /// @param noise variance of the step. @param elapsed see predictWithoutOdometry()
+  void moveByVelocity(const Pose& increment, const Vector6& noise, double dt, double elapsed);
+  /// Learns the velocity from an update.
+  /// @param predicted the pose that the refinement was pulled to, and the covariance before the
+  /// update, without other modes
+  void trackVelocity(const PoseGaussian& predicted);
+  void correctVelocity(const PoseGaussian& predicted);
   /// One pass: draws particles around refined poses, then multiplies the weights by the tempered
   /// likelihood. @param thinned the views with thinned samples, for the particles.
   /// @param remaining_exponent 1 minus the exponents of the passes before.

@@ -54,34 +54,40 @@ void PoseFilter::predictWithoutOdometry(double dt, std::optional<double> elapsed
   if (!std::isfinite(dt) || dt < 0)
     throw InputError("filter: the time step is negative or not finite");
   resampleIfNeeded();
-  const Pose increment = expSe3(velocity_ * dt);
+  const Pose increment = expSe3(velocity_ * timeOfVelocity(dt));
   const Vector6 noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
   addNoise(walkNoise(params_, dt));
   if (refinement_.enabled)
-    moveByVelocity(increment, noise_variance_ - noise_before, dt);
+    moveByVelocity(increment, noise_variance_ - noise_before, dt, elapsed.value_or(dt));
   else
     moveEstimate(increment, noise_before);
   velocity_ *= keptVelocity(elapsed.value_or(dt));
   since_last_estimate_ += elapsed.value_or(dt);
 }
 
-void PoseFilter::moveByVelocity(const Pose& increment, const Vector6& noise, double dt) {
+void PoseFilter::moveByVelocity(const Pose& increment, const Vector6& noise, double dt,
+                                double elapsed) {
   // The rest is what other modes add to the covariance.
   const Matrix6 rest = estimate_.covariance - covariance_.covariance();
   covariance_.moveByVelocity(
-      increment, noise, dt,
+      increment, noise, dt, elapsed,
       perAxis(params_.walk_acceleration, params_.walk_angular_acceleration_deg * kDegree));
   const Matrix6 to_new_axes = adjoint(increment.inverse());
   estimate_.mean = normalized(estimate_.mean * increment);
   estimate_.covariance = to_new_axes * rest * to_new_axes.transpose() + covariance_.covariance();
-  // The noise above is another one in every step, but an error of the velocity stays. In directions
-  // that the images do not show, it has moved the pose farther than the particles tell.
+  // The noise of each step is independent, but an error of the velocity stays. In directions that
+  // the images do not show, it has moved the pose farther than the particles tell.
   const Matrix6 cloud = meanAndCovariance(poses_, normalizedWeights()).covariance;
   const Matrix6 excess = excessOver(cloud, covariance_.ofMotion());
   if (excess.isZero(0)) return;
   const GaussianDensity density({Pose::Identity(), excess});
-  for (Pose& pose : poses_) pose = normalized(pose * density.draw(&random_));
+  // Draws in pairs of opposite signs do not move the mean of the particles.
+  Twist drawn = Twist::Zero();
+  for (size_t i = 0; i < poses_.size(); ++i) {
+    drawn = i % 2 == 0 ? logSe3(density.draw(&random_)) : -drawn;
+    poses_[i] = normalized(poses_[i] * expSe3(drawn));
+  }
 }
 
 void PoseFilter::setVelocity(const Twist& velocity) {
@@ -99,24 +105,31 @@ bool PoseFilter::correctTilt(const UpReading& reading) {
     throw InputError(
         "filter: the reading of roll and pitch is not a finite direction with a positive sigma");
   if (!edge_mcl::correctTilt(reading, normalizedWeights(), &random_, &poses_)) return false;
+  if (refinement_.enabled && covariance_.isByVelocity()) {
+    const Eigen::Matrix<double, 6, 2> axes = tiltAxes(reading);
+    const Eigen::Vector2d error =
+        axes.bottomRows<3>().transpose() * tiltError(estimate_.mean, reading.up_base.normalized());
+    velocity_ += covariance_.correctDirections(axes, reading.sigma) * error;
+  }
   estimate_ = edge_mcl::correctTilt(reading, estimate_);
   return true;
 }
 
-void PoseFilter::correctVelocity(const PoseGaussian& expected) {
+void PoseFilter::correctVelocity(const PoseGaussian& predicted) {
   // Chi-square of six degrees of freedom: one Gaussian error in a million is larger. Such a pose
   // has jumped to another place rather than moved there.
   constexpr double kJump = 40;
-  const Twist innovation = logSe3(expected.mean.inverse() * estimate_.mean);
-  if (squaredMahalanobis(innovation, expected.covariance) > kJump)
-    covariance_.forgetVelocity();
-  else
+  const Twist innovation = logSe3(predicted.mean.inverse() * estimate_.mean);
+  const double distance = squaredMahalanobis(innovation, predicted.covariance);
+  if (distance >= 0 && distance <= kJump)
     velocity_ += covariance_.velocityGain() * innovation;
+  else
+    forgetVelocity();
 }
 
-void PoseFilter::trackVelocity(const PoseGaussian& expected) {
+void PoseFilter::trackVelocity(const PoseGaussian& predicted) {
   if (refinement_.enabled && covariance_.isByVelocity()) {
-    correctVelocity(expected);
+    correctVelocity(predicted);
     last_estimate_ = estimate_;
     since_last_estimate_ = 0;
     return;

@@ -45,12 +45,17 @@ bool correctTilt(const UpReading& reading, const std::vector<double>& weights, R
   return true;
 }
 
+Eigen::Matrix<double, 6, 2> tiltAxes(const UpReading& reading) {
+  const Eigen::Vector3d up = reading.up_base.normalized();
+  Eigen::Matrix<double, 6, 2> axes = Eigen::Matrix<double, 6, 2>::Zero();
+  axes.col(0).tail<3>() = up.unitOrthogonal();
+  axes.col(1).tail<3>() = up.cross(up.unitOrthogonal());
+  return axes;
+}
+
 PoseGaussian correctTilt(const UpReading& reading, const PoseGaussian& pose) {
   const Eigen::Vector3d up = reading.up_base.normalized();
-  // The reading measures rotations about two axes perpendicular to the vertical.
-  Eigen::Matrix<double, 6, 2> read = Eigen::Matrix<double, 6, 2>::Zero();
-  read.col(0).tail<3>() = up.unitOrthogonal();
-  read.col(1).tail<3>() = up.cross(up.unitOrthogonal());
+  const Eigen::Matrix<double, 6, 2> read = tiltAxes(reading);
   const Eigen::Matrix2d innovation = read.transpose() * pose.covariance * read +
                                      reading.sigma * reading.sigma * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, 6, 2> gain =

@@ -20,6 +20,9 @@ struct UpReading {
 /// @return rotation vector in the axes of the base, rad, perpendicular to `up_base`.
 Eigen::Vector3d tiltError(const Pose& T_map_base, const Eigen::Vector3d& up_base);
 
+/// The rotations that a reading measures: about two axes perpendicular to the vertical, base frame.
+Eigen::Matrix<double, 6, 2> tiltAxes(const UpReading& reading);
+
 /// Moves the tilts of the particles towards the reading: an ensemble Kalman step with perturbed
 /// readings (G. Burgers, P. van Leeuwen, G. Evensen, Monthly Weather Review 126, 1998). Weights
 /// instead of this step would leave few particles alive. Heading and position do not change.

@@ -187,8 +187,12 @@ void LiveLocalizer::predictBlindly(double dt) {
   // After so long the clock has jumped, or the robot may be anywhere. It is looked for where it
   // was.
   constexpr double kPause = 10, kNear = 0.3;  // s
-  if (dt > kPause) filter_.forgetVelocity();
-  filter_.predictWithoutOdometry(dt > kPause ? kNear : std::min(dt, tracking_.max_gap), dt);
+  if (dt > kPause) {
+    filter_.forgetVelocity();
+    filter_.predictWithoutOdometry(kNear);
+  } else {
+    filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap), dt);
+  }
   // The constant-velocity model moves the expected pose, too.
   proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
 }

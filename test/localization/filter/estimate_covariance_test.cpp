@@ -181,10 +181,10 @@ TEST(EstimateCovariance, AnErrorOfTheVelocityDoesNotAverageAway) {
   covariance.reset(Matrix6::Zero());
   covariance.setVelocity(Vector6::Constant(kSigma));
   for (int k = 0; k < kSteps; ++k)
-    covariance.moveByVelocity(Pose::Identity(), Vector6::Constant(kNoise), kStep, Vector6::Zero());
-  // What is left of the velocity after k steps is a geometric series.
-  const double kept = std::exp(-kStep / 5);
-  const double distance = kSigma * kStep * (1 - std::pow(kept, kSteps)) / (1 - kept);
+    covariance.moveByVelocity(Pose::Identity(), Vector6::Constant(kNoise), kStep, kStep,
+                              Vector6::Zero());
+  // The velocity falls to exp(-2 / 5) in 2 s.
+  const double distance = kSigma * 5 * (1 - std::exp(-kStep * kSteps / 5));
   const Matrix6 expected = (distance * distance + kNoise * kSteps) * Matrix6::Identity();
   EXPECT_TRUE(covariance.covariance().isApprox(expected, 1e-9));
 }
@@ -207,14 +207,15 @@ std::vector<double> errorsByVelocity(size_t lines) {
     covariance.reset(1e-6 * Matrix6::Identity());
     covariance.setVelocity(Vector6::Constant(kUsual));
     for (int k = 0; k < 20; ++k) {
-      pose += kStep * velocity + 0.005 * random.normalTwist();
+      const double lasting = 5 * (1 - std::exp(-kStep / 5));  // s
+      pose += lasting * velocity + 0.005 * random.normalTwist();
       // Velocities have a standard deviation of 0.5 m/s and are forgotten over 5 s.
       const double kept = std::exp(-kStep / 5);
       velocity =
           kept * velocity + 0.5 * kAcceleration * std::sqrt(1 - kept * kept) * random.normalTwist();
-      estimate += kStep * learnt;
+      estimate += lasting * learnt;
       learnt *= kept;
-      covariance.moveByVelocity(Pose::Identity(), Vector6::Constant(0.005 * 0.005), kStep,
+      covariance.moveByVelocity(Pose::Identity(), Vector6::Constant(0.005 * 0.005), kStep, kStep,
                                 Vector6::Constant(kAcceleration));
       const Matrix6 prior = covariance.ofMotion();
       PoseObservation seen;

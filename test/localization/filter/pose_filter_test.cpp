@@ -183,7 +183,8 @@ TEST(PoseFilter, WithoutOdometryAndVelocityTheParticlesSpreadInPlace) {
   filter.predictWithoutOdometry(0.5);
   PoseGaussian expected = moved(kStart, Pose::Identity(), walkNoise(params, 0.5));
   // Nothing is known of the velocity: 0.5 m/s and 0.5 rad/s.
-  expected.covariance.diagonal().array() += 0.25 * 0.25;
+  const double distance = 0.5 * 5 * (1 - std::exp(-0.5 / 5));  // the velocity is forgotten over 5 s
+  expected.covariance.diagonal().array() += distance * distance;
   EXPECT_TRUE(filter.estimate().mean.isApprox(kStart.mean, 1e-12));
   EXPECT_TRUE(filter.estimate().covariance.isApprox(expected.covariance, 1e-9));
   expectCloud(filter.poses(), expected);

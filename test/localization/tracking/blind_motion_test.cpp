@@ -83,9 +83,11 @@ TEST(BlindMotion, TheCovarianceIsHonestBeforeABareWall) {
     const Flown flown = fly(seed);
     const size_t n = flown.squared_errors.size();
     EXPECT_LT(flown.squared_errors[n / 2], 8) << "seed " << seed;
+    EXPECT_GT(flown.squared_errors[n / 2], 0.5) << "seed " << seed;  // three times too wide
     EXPECT_LT(flown.squared_errors[n * 9 / 10], 30) << "seed " << seed;
     EXPECT_EQ(flown.silent, 0) << "seed " << seed;
     EXPECT_GT(flown.last_std, 0.1) << "seed " << seed;
+    EXPECT_LT(flown.last_std, 2.5) << "seed " << seed;  // 0.5 m/s, forgotten over 5 s
   }
 }
 
