@@ -26,8 +26,6 @@ constexpr double kRememberedImages = 30;
 /// refinement assume.
 constexpr double kNewInformation = 0.5, kPlainOffset = 0.6;  // 1, pixels
 
-/// Velocity of a robot of which nothing is known: a flying robot indoors, per axis.
-constexpr double kUsualSpeed = 0.5, kUsualTurn = 0.5;  // m/s, rad/s
 /// A velocity is forgotten over this time: a robot indoors turns or stops.
 constexpr double kVelocityTime = 5;  // s
 /// Velocity of a robot that accelerates by 1 m/s^2 (rad/s^2), per axis: it is the usual one.

@@ -9,6 +9,10 @@
 
 namespace edge_mcl {
 
+/// Standard deviations, per axis, of the velocity of a robot of which nothing is known: it flies
+/// indoors. m/s, rad/s
+constexpr double kUsualSpeed = 0.5, kUsualTurn = 0.5;
+
 /// Share of a velocity that is left after a time. Velocities are an Ornstein-Uhlenbeck process, so
 /// that a robot that is not seen does not fly on for ever. @param dt s
 double keptVelocity(double dt);

@@ -33,10 +33,6 @@ double GaussianDensity::logOfOffset(const Twist& offset) const {
   return log_norm_ - 0.5 * (inverse_factor_ * offset).squaredNorm();
 }
 
-Pose GaussianDensity::draw(RandomSource* random) const {
-  return normalized(gaussian_.mean * expSe3(factor_ * random->normalTwist()));
-}
-
 namespace {
 
 double logSum(double a, double b) {

@@ -22,7 +22,11 @@ class GaussianDensity {
   /// Log density at a tangent vector from offset().
   double logOfOffset(const Twist& offset) const;
   /// Draws a random pose.
-  Pose draw(RandomSource* random) const;
+  Pose draw(RandomSource* random) const {
+    return normalized(gaussian_.mean * expSe3(drawOffset(random)));
+  }
+  /// Draws a random tangent vector at the mean.
+  Twist drawOffset(RandomSource* random) const { return factor_ * random->normalTwist(); }
   /// Mean and covariance, with the addition that the constructor makes.
   const PoseGaussian& gaussian() const { return gaussian_; }
 

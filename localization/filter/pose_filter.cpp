@@ -60,8 +60,9 @@ void PoseFilter::setParticles(std::vector<Pose> poses, std::vector<double> log_w
     throw Error("filter: there are no particles, or the number of weights differs from theirs");
   for (size_t i = 0; i < poses.size(); ++i)
     if (!isValid(poses[i]) || std::isnan(log_weights[i]))
-      throw InputError("filter: particle " + std::to_string(i) +
-                       " has a pose that is not finite or a weight that is not a number");
+      throw InputError(
+          "filter: particle " + std::to_string(i) +
+          " has a pose that is not finite or not on earth, or a weight that is not a number");
   poses_ = std::move(poses);
   log_weights_ = std::move(log_weights);
   estimate_ = meanAndCovariance(poses_, normalizedWeights());

@@ -41,7 +41,8 @@ void PoseFilter::moveEstimate(const Pose& increment, const Twist& noise_before) 
 void PoseFilter::predictWithOdometry(const Pose& increment, double dt) {
   if (!isValid(increment) || !std::isfinite(dt) || dt < 0)
     throw InputError(
-        "filter: the odometry increment is not finite, or its time is negative or not finite");
+        "filter: the odometry increment is not finite or not on earth, or its time is negative or "
+        "not finite");
   resampleIfNeeded();
   const Vector6 noise_before = noise_variance_;
   for (Pose& pose : poses_) pose = pose * increment;
@@ -85,7 +86,7 @@ void PoseFilter::moveByVelocity(const Pose& increment, const Vector6& noise, dou
   // Draws in pairs of opposite signs do not move the mean of the particles.
   Twist drawn = Twist::Zero();
   for (size_t i = 0; i < poses_.size(); ++i) {
-    drawn = i % 2 == 0 ? logSe3(density.draw(&random_)) : -drawn;
+    drawn = i % 2 == 0 ? density.drawOffset(&random_) : -drawn;
     poses_[i] = normalized(poses_[i] * expSe3(drawn));
   }
 }
@@ -140,8 +141,6 @@ void PoseFilter::trackVelocity(const PoseGaussian& predicted) {
   if (last_estimate_) {
     // While the filter converges, its estimates jump. Their covariance is large then, and the
     // newest velocity gets little weight against the velocity known before.
-    // Assumed standard deviations of a velocity: m/s, rad/s.
-    constexpr double kUsualSpeed = 1, kUsualTurn = 1;
     const Twist newest =
         logSe3(last_estimate_->mean.inverse() * estimate_.mean) / since_last_estimate_;
     for (int i = 0; i < 6; ++i) {
