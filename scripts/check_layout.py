@@ -25,7 +25,7 @@ RANKS = [
     ['sim', 'detector', 'mapping'],
     ['detector/training', 'audit'],
     ['localization/filter', 'localization/lookup'],
-    ['localization/search', 'localization/masks'],
+    ['localization/search', 'localization/masks', 'localization/objects'],
     ['localization/tracking'],
     ['localization/recorded'],
     ['localization'],

@@ -9,6 +9,22 @@ namespace edge_mcl {
 
 namespace {
 
+nlohmann::json jsonOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::json jsonOf(const ObjectState& o) {
+  nlohmann::json j{{"number", o.number},
+                   {"low", jsonOf(o.box.min())},
+                   {"high", jsonOf(o.box.max())},
+                   {"velocity", jsonOf(o.velocity)},
+                   {"position_sigma", o.position_sigma},
+                   {"moving", o.is_moving},
+                   {"in_view", o.is_in_view},
+                   {"first_seen", o.first_seen},
+                   {"last_seen", o.last_seen}};
+  if (!o.is_moving) j["still_since"] = o.still_since;
+  return j;
+}
+
 nlohmann::json jsonOf(const LiveResult& r, const std::string& time, double reading_ms) {
   const UpdateReport& u = r.report;
   const StageTimes& t = r.image_times;
@@ -45,6 +61,7 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time, double readi
                    {"covariance", std::vector<double>(c.data(), c.data() + 36)}};
   j["ms"] = {{"reading", reading_ms},
              {"foreign", r.foreign_ms},
+             {"objects", r.objects_ms},
              {"edges", t.edges},
              {"field", t.field},
              {"table", t.table},
@@ -52,6 +69,7 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time, double readi
              {"refinement", u.refinement_ms},
              {"filter", u.total_ms},
              {"update", t.edges + t.field + t.table + u.total_ms}};
+  for (const ObjectState& object : r.objects) j["objects"].push_back(jsonOf(object));
   if (r.clusters.empty()) return j;
   j["search"] = {{"keyframes", r.search_keyframes}, {"ms", r.search_ms}};
   for (const PoseCluster& cluster : r.clusters)
@@ -90,6 +108,7 @@ void LocalizeReport::add(const RecordedLocalizer& localizer, const std::string& 
     agreeing_ += r.depth_agrees ? 1 : 0;
     foreign_share_ += r.foreign_share;
   }
+  for (const ObjectState& object : r.objects) objects_.insert(object.number);
   image_times_.push_back(input.time);
   ++states_[nameOf(r.state)];
   if (localizer.localizer().isInitialized())
@@ -121,6 +140,7 @@ nlohmann::json LocalizeReport::summary(const OpenedRecording& opened,
         {"images", with_foreign_},
         {"agreeing", agreeing_},
         {"mean_share", foreign_share_ / static_cast<double>(std::max<size_t>(1, with_foreign_))}};
+  if (params.tracking.mask_by_depth) summary["foreign_objects"] = objects_.size();
   const TrajectoryErrors errors = evaluateTrajectory(estimate_, recording.truth());
   if (errors.matched == 0) return summary;
   // Ground truth often has a rate of its own, so the share is that of images with ground truth,
@@ -157,6 +177,10 @@ std::string textOfSummary(const nlohmann::json& s) {
           "  Depth and model seldom agree: check depth_scale, the mounting of the depth camera, "
           "and the pose.\n";
   }
+  if (s.contains("foreign_objects") && s["foreign_objects"] > 0)
+    text +=
+        "objects that are not in the model: " + std::to_string(s["foreign_objects"].get<size_t>()) +
+        " (--stats has them)\n";
   text += "states:";
   for (const auto& [state, count] : s["states"].items())
     text += " " + state + " " + std::to_string(count.get<size_t>());

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ class LocalizeReport {
   // Images with masks by depth, those of them whose depth agrees with the model, sum of the shares.
   size_t with_foreign_ = 0, agreeing_ = 0;
   double foreign_share_ = 0;
+  std::set<int> objects_;  // numbers of the objects that are not in the model
 };
 
 /// The summary as text for the terminal, several lines.

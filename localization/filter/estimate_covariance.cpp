@@ -19,6 +19,9 @@ constexpr double kUnknowns = 6, kFewestPieces = 8;
 /// Errors of a usual calibration before images tell them: relative focal length, principal point in
 /// pixels. A calibration from a data sheet is off by this much, one with a board by a tenth of it.
 constexpr double kPriorFocal = 0.01, kPriorCentre = 5;
+/// A calibration of another lens or resolution may be off by this much. It counts when the images
+/// tell it by so many standard deviations.
+constexpr double kMostFocal = 0.3, kClearFocal = 3;
 /// Images that the errors of the calibration are learnt from.
 constexpr double kRememberedImages = 30;
 /// Share of the information of an image that counts, since the same lines are seen again and again.
@@ -30,12 +33,6 @@ constexpr double kNewInformation = 0.5, kPlainOffset = 0.6;  // 1, pixels
 constexpr double kVelocityTime = 5;  // s
 /// Velocity of a robot that accelerates by 1 m/s^2 (rad/s^2), per axis: it is the usual one.
 constexpr double kVelocityPerAcceleration = 0.5;  // s
-
-Eigen::Matrix3d priorOfCalibration() {
-  return Eigen::Vector3d(1 / (kPriorFocal * kPriorFocal), 1 / (kPriorCentre * kPriorCentre),
-                         1 / (kPriorCentre * kPriorCentre))
-      .asDiagonal();
-}
 
 }  // namespace
 
@@ -178,6 +175,25 @@ double EstimateCovariance::lineSigma() const {
                    (count_ + kPriorPieces));
 }
 
+Eigen::Matrix3d EstimateCovariance::priorOfCalibration() const {
+  const Eigen::Matrix2d centre_prior = Eigen::Matrix2d::Identity() / (kPriorCentre * kPriorCentre);
+  // What the images alone tell of the focal length, whatever the principal point is.
+  const Eigen::Vector2d coupling = calibration_information_.block<2, 1>(1, 0);
+  const Eigen::Vector2d share =
+      (calibration_information_.bottomRightCorner<2, 2>() + centre_prior).ldlt().solve(coupling);
+  const double information = calibration_information_(0, 0) - coupling.dot(share);
+  const double gradient = calibration_gradient_[0] - share.dot(calibration_gradient_.tail<2>());
+  double variance = kPriorFocal * kPriorFocal;
+  if (gradient * gradient > kClearFocal * kClearFocal * information) {
+    const double told = gradient / information;
+    variance = std::clamp(told * told - 1 / information, variance, kMostFocal * kMostFocal);
+  }
+  Eigen::Matrix3d prior = Eigen::Matrix3d::Zero();
+  prior(0, 0) = 1 / variance;
+  prior.bottomRightCorner<2, 2>() = centre_prior;
+  return prior;
+}
+
 Eigen::Vector3d EstimateCovariance::calibrationError() const {
   return (calibration_information_ + priorOfCalibration()).ldlt().solve(calibration_gradient_);
 }
@@ -192,7 +208,8 @@ Matrix6 EstimateCovariance::ofLines() const {
 
 Matrix6 EstimateCovariance::covariance() const {
   // The known error counts as well, since it is not removed from the images.
-  const Eigen::Vector3d error = calibrationError();
+  Eigen::Vector3d error = calibrationError();
+  if (std::abs(known_focal_error_) > std::abs(error[0])) error[0] = known_focal_error_;
   const Eigen::Matrix3d information = calibration_information_ + priorOfCalibration();
   const Eigen::Matrix3d moment =
       information.ldlt().solve(Eigen::Matrix3d::Identity()) + error * error.transpose();

@@ -98,6 +98,9 @@ class PoseFilter {
   /// Factor on the standard deviations of odometry_noise_*, from now on. 1 at the start.
   void setOdometryNoiseFactor(double factor) { odometry_noise_factor_ = factor; }
 
+  /// The focal length is known to be off by this share. The covariance holds it from now on.
+  void setFocalError(double error) { covariance_.setFocalError(error); }
+
   /// Resamples now if the next prediction would resample.
   void resample() { resampleIfNeeded(); }
 

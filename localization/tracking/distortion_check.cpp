@@ -36,22 +36,7 @@ double largestShift(const CameraModel& camera, const CameraModel& straight) {
 
 }  // namespace
 
-double DistortionCheck::advantage(const LocalizationMap& map, const CameraModel& camera,
-                                  const CameraModel& straight, const cv::Mat& image,
-                                  const cv::Mat& mask, const Pose& T_base_camera,
-                                  const Pose& pose) {
-  const auto best = [&](const CameraModel& model) {
-    const std::vector<CameraView> views{
-        {map.prepare(model, image, mask, "image"), T_base_camera, 1, nullptr}};
-    const Pose refined = map.refineRoughly(views, pose, std::nullopt).pose;
-    return map.evaluate(views, {refined}).front().log_likelihood;
-  };
-  return best(straight) - best(camera);
-}
-
-bool DistortionCheck::look(const LocalizationMap& map, const CameraModel& camera,
-                           const cv::Mat& image, const cv::Mat& mask, const Pose& T_base_camera,
-                           const Pose& pose, double time) {
+bool DistortionCheck::look(const AskedImage& asked, const CameraModel& camera, double time) {
   if (asked_ >= kImages || camera.distortion == DistortionModel::kNone) return false;
   if (next_ && time < *next_ && time > *next_ - 2 * kInterval) return false;
   next_ = time + kInterval;
@@ -63,7 +48,10 @@ bool DistortionCheck::look(const LocalizationMap& map, const CameraModel& camera
     asked_ = kImages;
     return false;
   }
-  const double more = advantage(map, camera, straight, image, mask, T_base_camera, pose);
+  const auto fit = [&](const CameraModel& model) {
+    return fitOf(asked.map, viewsOf(asked, model), asked.pose);
+  };
+  const double more = fit(straight) - fit(camera);
   ++asked_;
   sum_ += more;
   straight_ += more > 0 ? 1 : 0;

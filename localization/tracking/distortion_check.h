@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "edge_mcl/core/localization_map.h"
+#include "edge_mcl/localization/tracking/camera_fit.h"
 
 namespace edge_mcl {
 
@@ -13,19 +13,11 @@ namespace edge_mcl {
 /// distortion.
 class DistortionCheck {
  public:
-  /// @param image,mask as LocalizationMap::prepare() takes them
-  /// @param pose T_map_base, a pose that is trusted
   /// @param time s
   /// @return true once: the images fit clearly better without the distortion
-  bool look(const LocalizationMap& map, const CameraModel& camera, const cv::Mat& image,
-            const cv::Mat& mask, const Pose& T_base_camera, const Pose& pose, double time);
+  bool look(const AskedImage& asked, const CameraModel& camera, double time);
 
  private:
-  /// By how much an image fits better without the distortion, nats.
-  static double advantage(const LocalizationMap& map, const CameraModel& camera,
-                          const CameraModel& straight, const cv::Mat& image, const cv::Mat& mask,
-                          const Pose& T_base_camera, const Pose& pose);
-
   int asked_ = 0, straight_ = 0;  // images
   double sum_ = 0;                // of advantages, nats
   std::optional<double> next_;    // time of the next question, s

@@ -66,6 +66,11 @@ void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
   finder_.reset();        // it refers to the old map
   mask_lifter_.forget();  // it knows the lines by number
   depth_masker_.forget();
+  objects_.forget();
+  distortion_checks_.clear();
+  focal_checks_.clear();  // a wrong scale of the model looks like a wrong focal length
+  focal_error_ = 0;
+  filter_.setFocalError(0);
   tracked_.reset();
   map_ = std::move(map);
   if (searching_) beginSearch(false);
@@ -140,6 +145,7 @@ bool LiveLocalizer::advanceTo(const LiveInput& input, LiveResult* result) {
                           : "the clock jumped back; the search begins again";
   }
   // A pose that was just given holds for the first moment after it and is not predicted.
+  if (result->restarted) objects_.forget();  // their times are those of the other clock
   if (last_time_ && !result->restarted) {
     const double dt = input.time - *last_time_;
     // In a long time without images anything may have happened. But a camera may also be slow, or
@@ -274,6 +280,7 @@ void LiveLocalizer::jumpTo(const Pose& pose, LiveResult* result) {
   start.covariance.diagonal().tail<3>().setConstant(kJump.angle * kJump.angle);
   filter_.initialize(start);
   begin();
+  objects_.forget();  // their places belong to the other pose
   proof_.require(false);
   fresh_ = false;  // the pose belongs to this moment
   result->relocalized = true;
@@ -318,6 +325,7 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
   result.state = state();
   result.estimate = presentPose();
   if (isInitialized()) result.probability = probability_.value();
+  result.objects = objects_.objects(input.time);
   if (result.state == LocalizerState::kTracking && !result.late) {
     tracked_ = result.estimate;
     tracked_at_ = input.time;
@@ -350,7 +358,8 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
       odometry_.update(result->report, trusted && state() == LocalizerState::kTracking);
     if (result->look_alike) return jumpTo(*result->look_alike, result);
     learnUnderMasks(input, result->updated);
-    checkDistortion(input, result);
+    followObjects(input, result);
+    if (problem.empty()) checkCalibration(input, result);
     if (trusted) searching_ = false;
     if (state() == LocalizerState::kLost) {
       const bool contradicted =

@@ -5,14 +5,17 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "edge_mcl/core/localization_map.h"
 #include "edge_mcl/localization/filter/pose_filter.h"
 #include "edge_mcl/localization/masks/depth_masker.h"
 #include "edge_mcl/localization/masks/mask_lifter.h"
+#include "edge_mcl/localization/objects/object_follower.h"
 #include "edge_mcl/localization/search/pose_finder.h"
 #include "edge_mcl/localization/tracking/distortion_check.h"
+#include "edge_mcl/localization/tracking/focal_check.h"
 #include "edge_mcl/localization/tracking/localizer_state.h"
 #include "edge_mcl/localization/tracking/look_alike_watch.h"
 #include "edge_mcl/localization/tracking/odometry_track.h"
@@ -50,8 +53,9 @@ struct LiveInput {
 /// Result for one moment.
 struct LiveResult {
   LocalizerState state = LocalizerState::kUninitialized;
-  std::string problem;   ///< a fault, in one line; empty: no fault
-  bool updated = false;  ///< the images were used
+  std::string problem;        ///< a fault, in one line; empty: no fault
+  bool is_told_once = false;  ///< the problem lasts, but later results do not tell it again
+  bool updated = false;       ///< the images were used
   /// The moment was not used because of its time stamp, see StampGuard. The estimate is that of the
   /// moment before.
   bool late = false;
@@ -68,8 +72,10 @@ struct LiveResult {
   /// Share of the depth that lies on the model, without what is in front of it; the largest of all
   /// sensors. -1: no mask by depth was tried.
   double foreign_agreement = -1;
-  bool depth_agrees = false;  ///< foreign_agreement is enough for masks at a likely pose
-  double foreign_ms = 0;      ///< time for masks by depth, ms
+  bool depth_agrees = false;         ///< foreign_agreement is enough for masks at a likely pose
+  double foreign_ms = 0;             ///< time for masks by depth, ms
+  std::vector<ObjectState> objects;  ///< not in the model, known so far; with masks by depth
+  double objects_ms = 0;             ///< time for following them, ms
   std::optional<double> look_alike_odds;  ///< see LookAlikeWatch::Result
   std::optional<Pose> look_alike;         ///< T_map_base, a pose that fits better
   double match_ratio = 0;  ///< share of the visible samples with an image edge in reach
@@ -165,8 +171,11 @@ class LiveLocalizer {
   cv::Mat withForeign(size_t number, const LiveInput::CameraImage& view,
                       const std::vector<DepthMasker::Foreign>& foreign, LiveResult* result);
   void learnUnderMasks(const LiveInput& input, bool used);
-  /// Asks whether the images have the distortion of their calibrations, at poses that are tracked.
-  void checkDistortion(const LiveInput& input, LiveResult* result);
+  /// Follows the objects in front of the model, at poses that are tracked.
+  void followObjects(const LiveInput& input, LiveResult* result);
+  /// Asks whether the images have distortion and focal length of their calibrations, at poses that
+  /// are tracked.
+  void checkCalibration(const LiveInput& input, LiveResult* result);
   void prepareImages(const LiveInput& input, LiveResult* result, std::vector<CameraView>* views,
                      std::string* problem);
   std::vector<CameraView> prepareDepths(const LiveInput& input, std::string* problem) const;
@@ -189,7 +198,12 @@ class LiveLocalizer {
   LookAlikeWatch look_alikes_;
   MaskLifter mask_lifter_;
   DepthMasker depth_masker_;
+  // Of the present moment: numbers of depth images, and what they show in front of the model.
+  std::vector<std::pair<size_t, ForeignPoints>> foreign_;
+  ObjectFollower objects_;
   std::map<size_t, DistortionCheck> distortion_checks_;  // by number of the camera
+  std::map<size_t, FocalCheck> focal_checks_;            // by number of the camera
+  double focal_error_ = 0;                               // the largest that they have found
   std::optional<PoseGaussian> initial_;
   std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back
   StateMachine states_;

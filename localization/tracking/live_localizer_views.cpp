@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -21,6 +22,17 @@ double millisecondsSince(Clock::time_point begin) {
 constexpr char kNoDistortionInImages[] =
     ": images fit the model better without the distortion of their calibration; if they are "
     "rectified, give a calibration without distortion (a bag, or the node: rectified=true)";
+
+/// @param factor with which the images fit better
+std::string otherFocalLength(const CameraModel& camera, double factor) {
+  char text[256];
+  std::snprintf(text, sizeof text,
+                ": images fit the model better with a focal length of about %.0f pixels than with "
+                "%.0f as calibrated; positions are off by about %.0f %% of the distance to what is "
+                "seen; calibrate the camera at this resolution, or check the scale of the model",
+                factor * camera.fx, camera.fx, 100 * std::abs(factor - 1));
+  return text;
+}
 
 /// @param mask empty: none
 double maskedShare(const cv::Mat& mask) {
@@ -54,13 +66,23 @@ void LiveLocalizer::learnUnderMasks(const LiveInput& input, bool used) {
   mask_lifter_.learn(*map_, filter_.estimate().mean, T_base_camera);
 }
 
-void LiveLocalizer::checkDistortion(const LiveInput& input, LiveResult* result) {
+void LiveLocalizer::checkCalibration(const LiveInput& input, LiveResult* result) {
   if (!result->updated || state() != LocalizerState::kTracking || !result->problem.empty()) return;
   for (const size_t number : result->image_numbers) {
     const LiveInput::CameraImage& view = input.images[number];
-    if (distortion_checks_[number].look(*map_, view.camera, view.image, view.mask,
-                                        view.T_base_camera, filter_.estimate().mean, input.time))
+    const AskedImage asked{*map_, view.image, view.mask, view.T_base_camera,
+                           filter_.estimate().mean};
+    if (distortion_checks_[number].look(asked, view.camera, input.time)) {
       result->problem = view.origin + kNoDistortionInImages;
+    } else if (const auto factor = focal_checks_[number].look(
+                   asked, view.camera, result->report.focal_error, input.time)) {
+      // The hint does not tell which camera it is.
+      result->problem = view.origin + otherFocalLength(view.camera, *factor);
+      if (std::abs(*factor - 1) > std::abs(focal_error_)) focal_error_ = *factor - 1;
+      filter_.setFocalError(focal_error_);
+    }
+    result->is_told_once = !result->problem.empty();
+    if (result->is_told_once) return;
   }
 }
 
@@ -74,6 +96,7 @@ std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& i
   // A likely pose with less agreement: depth and model do not belong together.
   constexpr double kLeastAgreement = 0.7;
   std::vector<DepthMasker::Foreign> foreign;
+  foreign_.clear();
   if (!tracking_.mask_by_depth || searching_ || !isInitialized()) {
     depth_masker_.forget();
     return foreign;
@@ -81,19 +104,40 @@ std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& i
   const bool is_likely = state() == LocalizerState::kTracking && probability_.value() >= kLikely;
   const bool has_masks = std::any_of(input.images.begin(), input.images.end(),
                                      [](const auto& view) { return !view.mask.empty(); });
-  for (const LiveInput::Depth& depth : input.depths) try {
+  for (size_t number = 0; number < input.depths.size(); ++number) try {
+      const LiveInput::Depth& depth = input.depths[number];
       DepthMasker::Foreign found =
           DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera, has_masks);
       const double agreement = found.points.agreement;
       result->foreign_agreement = std::max(result->foreign_agreement, agreement);
       result->depth_agrees = result->foreign_agreement >= kLeastAgreement;
-      if (agreement >= (is_likely ? kLeastAgreement : kAgreement))
-        foreign.push_back(std::move(found));
+      if (agreement < (is_likely ? kLeastAgreement : kAgreement)) continue;
+      foreign_.emplace_back(number, found.points);
+      foreign.push_back(std::move(found));
     } catch (const InputError& e) {
       *problem = e.what();
     }
   if (foreign.empty()) depth_masker_.forget();  // masks begin anew, and small
   return foreign;
+}
+
+void LiveLocalizer::followObjects(const LiveInput& input, LiveResult* result) {
+  if (result->updated && state() == LocalizerState::kTracking && !foreign_.empty()) {
+    const Clock::time_point begin = Clock::now();
+    const Pose& T_map_base = filter_.estimate().mean;
+    std::vector<ForeignDepth> depths;
+    for (const auto& [number, points] : foreign_)
+      depths.push_back(
+          {input.depths[number].image, points, T_map_base * input.depths[number].T_base_camera});
+    std::vector<ForeignColour> colours;
+    for (const LiveInput::CameraImage& view : input.images)
+      colours.push_back({view.image, view.camera, T_map_base * view.T_base_camera});
+    const RayScene* scene = map_->visibility().scene();
+    objects_.update(input.time, depths, colours, scene, map_->params().depth);
+    result->objects_ms = millisecondsSince(begin);
+  } else {
+    objects_.wait();
+  }
 }
 
 cv::Mat LiveLocalizer::withForeign(size_t number, const LiveInput::CameraImage& view,

@@ -54,6 +54,8 @@ LocalizerNode::LocalizerNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   if (params_.has_initial_pose) localizer_->setPose(params_.initialPose());
   publisher_ = std::make_unique<ResultPublisher>(nh_, private_nh_, params_, method_.filter);
   publisher_->publishModel(*map);
+  if (method_.tracking.mask_by_depth)
+    objects_ = std::make_unique<ObjectPublisher>(nh_, private_nh_, params_.global_frame_id);
   ROS_INFO("%s: %zu lines; %d particles; %s", params_.model_file.c_str(), map->edges().lines.size(),
            method_.filter.particles, map->backend().name().c_str());
   if (!params_.has_initial_pose && params_.global_start) localizer_->searchEverywhere();
@@ -290,9 +292,10 @@ void LocalizerNode::process(const Moment& moment) {
   context.updates = updates_;
   context.update_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  if (result.restarted) ROS_WARN("%s", result.problem.c_str());
+  if (result.restarted || result.is_told_once) ROS_WARN("%s", result.problem.c_str());
   if (!result.problem.empty())
     ROS_WARN_THROTTLE(5, "%s: %s", nameOf(result.state), result.problem.c_str());
+  if (objects_) objects_->publish(input, result, moment.stamp);
   publisher_->publish(result, *localizer_, context);
   last_image_at_ = ros::WallTime::now();
   facts_.update_ms = context.update_ms;

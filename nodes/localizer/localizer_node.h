@@ -22,6 +22,7 @@
 #include "edge_mcl/nodes/localizer/localizer_diagnostics.h"
 #include "edge_mcl/nodes/localizer/moment_queue.h"
 #include "edge_mcl/nodes/localizer/moment_reader.h"
+#include "edge_mcl/nodes/localizer/object_publisher.h"
 #include "edge_mcl/nodes/localizer/result_publisher.h"
 
 namespace edge_mcl {
@@ -59,6 +60,7 @@ class LocalizerNode {
   NodeParameters params_;
   Parameters method_;
   std::unique_ptr<ResultPublisher> publisher_;
+  std::unique_ptr<ObjectPublisher> objects_;  // with masks by depth
   std::unique_ptr<MomentQueue> queue_;
   std::unique_ptr<MomentReader> reader_;
 

@@ -11,6 +11,7 @@
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/core/base/parameter_text.h"
 #include "edge_mcl/nodes/common/caller_path.h"
+#include "edge_mcl/nodes/messages/object_messages.h"
 #include "edge_mcl/nodes/messages/ros_conversions.h"
 #include "edge_mcl/nodes/messages/sensor_mounting.h"
 
@@ -89,6 +90,7 @@ LiveView::LiveView(const ros::NodeHandle& nh, const ViewerNodeParameters& params
   subscribeImage("mask", "raw", &masks_);
   subscribeImage("depth", "raw", &depths_);
   subscribe("detections", &detections_);
+  subscribe("foreign_objects", &foreign_);
   subscribe("pose", &poses_);
   subscribe("particlecloud", &clouds_);
   subscribe("hypotheses", &hypotheses_);
@@ -135,6 +137,7 @@ void LiveView::restartIfTimeWentBack(const ros::Time& stamp) {
   masks_.by_stamp.clear();
   depths_.by_stamp.clear();
   detections_.by_stamp.clear();
+  foreign_.by_stamp.clear();
   poses_.by_stamp.clear();
   clouds_.by_stamp.clear();
   hypotheses_.by_stamp.clear();
@@ -150,6 +153,7 @@ bool LiveView::isComplete(const Status& status) const {
   const bool has_pose = status.state != Status::UNINITIALIZED && status.state != Status::SEARCHING;
   return images_.has(stamp) && (!comes(masks_.last) || masks_.has(stamp)) &&
          (!comes(detections_.last) || detections_.has(stamp)) &&
+         (!comes(foreign_.last) || foreign_.has(stamp)) &&
          (!has_pose || (poses_.has(stamp) && (!comes(clouds_.last) || clouds_.has(stamp))));
 }
 
@@ -249,6 +253,10 @@ ViewMoment LiveView::assemble(const Status& status) {
   use([&] {
     for (const geometry_msgs::Pose& pose : status.next_view)
       m.next_view.push_back(fromMessage(pose, "next_view"));
+  });
+  use([&] {
+    if (const auto found = foreign_.at(stamp, 0))
+      for (const ForeignObject& object : found->objects) m.foreign.push_back(fromMessage(object));
   });
   constexpr double kSameMoment = 0.02;  // s
   use([&] {

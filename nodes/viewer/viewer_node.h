@@ -2,6 +2,7 @@
 #pragma once
 
 #include <edge_mcl/DetectedObjects.h>
+#include <edge_mcl/ForeignObjects.h>
 #include <edge_mcl/Status.h>
 #include <geometry_msgs/PoseArray.h>
 #include <geometry_msgs/PoseStamped.h>
@@ -74,8 +75,8 @@ struct ViewerNodeParameters : ViewParameters {
 };
 
 /// Source of moments from ROS topics. It subscribes to `image`, `camera_info`, `mask`,
-/// `detections`, `depth`, `depth/camera_info`, `pose`, `particlecloud`, `hypotheses`, `status` (of
-/// the localizer), `ground_truth` and tf. It publishes `initialpose`.
+/// `detections`, `foreign_objects`, `depth`, `depth/camera_info`, `pose`, `particlecloud`,
+/// `hypotheses`, `status` (of the localizer), `ground_truth` and tf. It publishes `initialpose`.
 ///
 /// An image becomes a moment when the localizer has published a status for it. All messages of the
 /// same stamp belong to the moment. When a message does not arrive within the parameter `wait`, the
@@ -146,6 +147,7 @@ class LiveView : public ViewSource {
   std::mutex mutex_;  // guards all members that callbacks write
   Kept<sensor_msgs::Image> images_, masks_, depths_;
   Kept<DetectedObjects> detections_;
+  Kept<ForeignObjects> foreign_;
   Kept<geometry_msgs::PoseWithCovarianceStamped> poses_;
   Kept<geometry_msgs::PoseArray> clouds_, hypotheses_;
   Kept<geometry_msgs::PoseStamped> truths_;

@@ -5,16 +5,19 @@ import copy
 import sys
 import time
 
+import numpy
 import rospy
 import rostest
+from edge_mcl.msg import DetectedObject, DetectedObjects, ForeignObjects
 from geometry_msgs.msg import Quaternion
 from sensor_msgs.msg import Imu
+from visualization_msgs.msg import MarkerArray
 
 from fed_localizer import FedLocalizer
 
 
 class Depth(FedLocalizer):
-    namespaces = ['both', 'depth_only']
+    namespaces = ['both', 'depth_only', 'objects']
     awaited = ('depth',)
 
     def depth(self, i):
@@ -110,6 +113,37 @@ class Depth(FedLocalizer):
             status = self.send(i, 'both', depth=self.depth(i))
             self.assertIn(text, status.problem)
             self.assertEqual(status.state_name, 'tracking', status)
+
+    def test_objects_that_are_not_in_the_model(self):
+        lists, markers, texts = [], [], set()
+        keep = [rospy.Subscriber('/objects/foreign_objects', ForeignObjects, lists.append),
+                rospy.Subscriber('/objects/localizer/foreign_object_markers', MarkerArray, markers.append)]
+        detections = rospy.Publisher('/objects/detections', DetectedObjects, queue_size=20)
+        self.assertTrue(self.wait(lambda: detections.get_num_connections() > 0))
+        self.assertTrue(self.wait(lambda: all(s.get_num_connections() > 0 for s in keep)))
+        self.begin('objects')
+        for i in range(len(self.recording.frames)):
+            self.send(i, 'objects', depth=self.depth(i))
+            # The detector sees what the simulator's mask holds: a person.
+            mask = self.recording.frames[i]['mask']
+            rows, columns = numpy.nonzero(numpy.frombuffer(mask.data, numpy.uint8).reshape(mask.height, mask.step))
+            if len(rows) < 2000:
+                continue
+            found = DetectedObject(class_name='person', score=0.8, x=columns.min(), y=rows.min(),
+                                   width=numpy.ptp(columns), height=numpy.ptp(rows))
+            message = DetectedObjects(objects=[found])
+            message.header.stamp = self.stamp(i)
+            detections.publish(message)
+        self.assertTrue(self.wait(lambda: lists and lists[-1].objects))
+        people = [o for o in lists[-1].objects if o.class_name == 'person']
+        self.assertEqual(len(people), 1, lists[-1])
+        self.assertEqual(lists[-1].header.frame_id, 'map')
+        self.assertEqual(len({o.number for m in lists for o in m.objects}), len(lists[-1].objects))
+        self.assertGreater(people[0].size.z, 0.8)
+        self.assertLess(max(people[0].size.x, people[0].size.y), 1.0)
+        for message in markers:
+            texts |= {m.text for m in message.markers if m.text}
+        self.assertIn('%d person' % people[0].number, texts)
 
     def test_broken_depth_is_named_and_left_out(self):
         self.begin('both')

@@ -179,6 +179,7 @@ cv::Mat drawLegend(const ViewMoment& m, const cv::Size& size) {
   entry("covariance, 3 sigma", kCovariance);
   if (!m.depth_points.empty()) entry("depth", kDepth);
   if (!m.clusters.empty()) entry("hypotheses", kHypothesis);
+  if (!m.foreign.empty()) entry("not in the model", kForeign);
   if (!m.next_view.empty()) entry("next view", kNextView);
   if (m.weights.empty()) {  // the weights are unknown
     entry("particles", cv::Scalar(ofWeight(1)));

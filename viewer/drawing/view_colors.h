@@ -14,7 +14,8 @@ inline const cv::Scalar kOrange(0, 159, 230), kSkyBlue(233, 180, 86), kGreen(115
     kDark(40, 40, 40);
 
 inline const cv::Scalar &kEstimate = kOrange, &kTruth = kBlue, &kCovariance = kPurple,
-                        &kDepth = kSkyBlue, &kHypothesis = kVermillion, &kNextView = kYellow;
+                        &kDepth = kSkyBlue, &kHypothesis = kVermillion, &kNextView = kYellow,
+                        &kForeign = kGreen;
 
 /// Colour of a state of the localizer.
 inline cv::Scalar ofState(LocalizerState state) {

@@ -51,6 +51,7 @@ ViewMoment momentOf(const LiveInput& input, const LiveResult& result,
   m.estimate = result.estimate;
   m.truth = truth;
   m.clusters = result.clusters;
+  m.foreign = result.objects;
   if (result.next_view) m.next_view = {result.next_view->first, result.next_view->second};
   if (m.has_pose) {
     const std::vector<Pose>& poses = localizer.filter().poses();

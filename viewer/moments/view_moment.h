@@ -42,6 +42,7 @@ struct ViewMoment {
   std::vector<PoseCluster> clusters;  ///< hypotheses during a search
   std::vector<Pose> next_view;        ///< T_map_base of the next view at the two best of them
   std::optional<Pose> truth;          ///< T_map_base
+  std::vector<ObjectState> foreign;   ///< objects that are not in the model
 
   bool has_camera = false;  ///< whether calibration and extrinsics are known
   CameraModel camera;

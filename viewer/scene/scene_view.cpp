@@ -1,6 +1,7 @@
 #include "edge_mcl/viewer/scene/scene_view.h"
 
 #include <mrpt/img/CImage.h>
+#include <mrpt/opengl/CBox.h>
 #include <mrpt/opengl/CEllipsoid3D.h>
 #include <mrpt/opengl/CPointCloud.h>
 #include <mrpt/opengl/CPointCloudColoured.h>
@@ -60,6 +61,17 @@ void addNextView(const Pose& from, const Pose& T_map_camera, CSetOfLines* lines)
     add(tip, T_map_camera * Eigen::Vector3d(side, 0, kArrow - kHead));
 }
 
+/// The edges of the box of an object that is not in the model; thin while it is out of view.
+CBox::Ptr boxAround(const ObjectState& object) {
+  const auto corner = [](const Eigen::Vector3d& p) {
+    return mrpt::math::TPoint3D(p.x(), p.y(), p.z());
+  };
+  const float width = object.is_in_view ? 2.5F : 1.0F;
+  auto box = CBox::Create(corner(object.box.min()), corner(object.box.max()), true, width);
+  box->setBoxBorderColor(toColor(view_colors::kForeign));
+  return box;
+}
+
 }  // namespace
 
 struct SceneView::Objects {
@@ -74,6 +86,7 @@ struct SceneView::Objects {
   CTexturedPlane::Ptr picture = CTexturedPlane::Create();
   CSphere::Ptr truth = CSphere::Create();
   CSetOfObjects::Ptr clusters = CSetOfObjects::Create();
+  CSetOfObjects::Ptr foreign = CSetOfObjects::Create();
   CSetOfLines::Ptr next_view = makeLines(view_colors::kNextView, 3);
 };
 
@@ -96,7 +109,7 @@ SceneView::SceneView(const LocalizationMap* map, const ViewParameters& params)
   o.truth->enableLight(false);
   for (const CRenderizable::Ptr& object : std::initializer_list<CRenderizable::Ptr>{
            o.faces, o.edges, o.depth, o.particles, o.covariance, o.truth_path, o.path, o.frustum,
-           o.picture, o.truth, o.clusters, o.next_view})
+           o.picture, o.truth, o.clusters, o.foreign, o.next_view})
     scene_->insert(object);
   scene_->getViewport()->enablePolygonNicest(false);
   scene_->getViewport()->setCustomBackgroundColor({0.84F, 0.84F, 0.84F, 1.0F});
@@ -259,6 +272,8 @@ void SceneView::showPoses(const ViewMoment& m, const HistoryView& history) {
     ball->setLocation(p.x(), p.y(), p.z());
     o.clusters->insert(ball);
   }
+  o.foreign->clear();
+  for (const ObjectState& object : m.foreign) o.foreign->insert(boxAround(object));
   o.next_view->clear();
   for (size_t i = 0; i < std::min(m.next_view.size(), m.clusters.size()); ++i)
     addNextView(m.clusters[i].pose, m.next_view[i] * m.T_base_camera, o.next_view.get());

@@ -124,6 +124,47 @@ TEST(EstimateCovariance, IsHonestWhereTheCalibrationIsOff) {
   EXPECT_LT(nees[190], 25);
 }
 
+/// A focal length that is off by far more than a usual calibration. Where the images tell it, the
+/// prior does not pull it back, so that the covariance holds it. Closed form of one error that the
+/// images tell with the standard deviation s: the square of the most likely width of the prior is
+/// that of the error less that of s. Below three s it is one hundredth.
+TEST(EstimateCovariance, ALargeErrorOfTheFocalLengthIsNotPulledBack) {
+  const double s = 0.02;
+  for (const double told : {0.08, -0.065, 0.03, 0.002}) {
+    EstimateCovariance covariance;
+    covariance.reset(Matrix6::Identity());
+    PoseObservation seen;
+    seen.cameras.resize(1);
+    CameraObservation& camera = seen.cameras[0];
+    // One image; half of its information counts for offsets of 0.6 pixels.
+    const double share = 0.5 * std::pow(0.6 / covariance.lineSigma(), 2);
+    camera.information(0, 0) = 1 / (s * s) / share;
+    camera.gradient[0] = told / (s * s) / share;
+    covariance.correct(seen, Matrix6::Identity());
+    const double prior = std::abs(told) > 3 * s ? std::sqrt(told * told - s * s) : 0.01;
+    EXPECT_NEAR(covariance.calibrationError()[0], told / (1 + s * s / (prior * prior)),
+                1e-3 * std::abs(told))
+        << told;
+  }
+}
+
+TEST(EstimateCovariance, AKnownErrorOfTheFocalLengthIsInTheCovariance) {
+  EstimateCovariance covariance;
+  covariance.reset(1e-12 * Matrix6::Identity());
+  PoseObservation seen;
+  seen.information = Matrix6::Identity();
+  seen.cameras.resize(1);
+  // Things are 3 m away. A motion explains all of the error, so the images do not tell it.
+  seen.cameras[0].pull.col(0) << 0, 0, 3, 0, 0, 0;
+  seen.cameras[0].pose_information = Matrix6::Identity();
+  seen.cameras[0].information(0, 0) = 9;
+  covariance.correct(seen, 1e6 * Matrix6::Identity());
+  const auto forward = [&] { return std::sqrt(covariance.covariance()(2, 2)); };
+  EXPECT_NEAR(forward(), 0.03, 1e-3) << "a usual calibration is off by a hundredth";
+  covariance.setFocalError(-0.08);
+  EXPECT_NEAR(forward(), std::hypot(0.24, 0.03), 1e-3);
+}
+
 TEST(EstimateCovariance, LearnsTheOffsetsOfLines) {
   for (const double sigma : {0.3, 2.0}) {
     double mean = 0;

@@ -40,7 +40,7 @@ int told(const LocalizationMap& map, const CameraModel& camera, const cv::Mat& i
   DistortionCheck check;
   int count = 0;
   for (int i = 0; i < 20; ++i)
-    count += check.look(map, camera, image, {}, Pose::Identity(), test::roomView(), i) ? 1 : 0;
+    count += check.look({map, image, {}, Pose::Identity(), test::roomView()}, camera, i) ? 1 : 0;
   return count;
 }
 
@@ -62,8 +62,8 @@ TEST(DistortionCheck, OneImageOrADarkOneTellsNothing) {
   EXPECT_EQ(told(map, lens(), dark), 0);
   DistortionCheck check;
   for (int i = 0; i < 20; ++i)
-    EXPECT_FALSE(check.look(map, lens(), test::roomPicture(), {}, Pose::Identity(),
-                            test::roomView(), 1 + 1e-3 * i));
+    EXPECT_FALSE(check.look({map, test::roomPicture(), {}, Pose::Identity(), test::roomView()},
+                            lens(), 1 + 1e-3 * i));
 }
 
 /// A distortion of less than a pixel cannot be seen, so no time is spent on it.
