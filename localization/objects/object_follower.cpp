@@ -7,34 +7,12 @@ namespace edge_mcl {
 
 namespace {
 
-/// Fewest points that have neighbours on all sides, and least height or width (m), of a group that
-/// becomes a new object. Smaller and thinner ones are the edges of surfaces.
-constexpr int kFewestPoints = 20;
-constexpr double kSmallest = 0.15;
-/// An object is reported after so many images, over at least this time (s).
-constexpr int kProvenSightings = 3;
-
 /// A group continues an object that was seen at most this long ago. Later it is known again. s
 constexpr double kRecent = 0.5;
 /// The same for images that come slowly, when the one before has shown it, s.
 constexpr double kSlowImages = 1.2;
-/// Distance (m) of the boxes up to which it does, and the speed (m/s) of people that adds to it.
-constexpr double kTouch = 0.25, kWalking = 1.5;
-/// A second group continues the same object when it is so close, m.
-constexpr double kPart = 0.1;
-/// An object out of view may have moved by this much at once (m), and is not taller than before by
-/// more than this (m), and its appearance differs by at most this (Hellinger distance; the light
-/// changes it).
-constexpr double kReach = 0.6, kSizeChange = 0.35, kOtherAppearance = 0.6;
-/// Share of this difference when there is no image in colours or grey.
-constexpr double kUnknownAppearance = 0.5;
-/// A group is the object that stood at its place when so much of its places are the same.
-constexpr double kSamePlaces = 0.3;
-/// Number of a track that goes on in another one.
-constexpr int kErased = -1;
-/// An object without a place is forgotten after this time, one that was seen once or twice
-/// sooner. s
-constexpr double kRemember = 60, kForgetUnproven = 1;
+/// An object that was seen once or twice is forgotten after this time, s.
+constexpr double kForgetUnproven = 1;
 /// Most objects. The ones out of view for longest are forgotten. A building with more of them needs
 /// a new model.
 constexpr size_t kMost = 500;
@@ -42,6 +20,9 @@ constexpr size_t kMost = 500;
 /// Noise of a measured middle, per axis (m), and of the acceleration of people (m/s^2): they start
 /// and stop within a second.
 constexpr double kMiddleSigma = 0.05, kAcceleration = 2;
+/// Standard deviation of the middle that comes from the hidden back, as a share of the depth: a
+/// body is between a half and twice as deep as guessed.
+constexpr double kHidden = 0.2;
 /// Velocity of an object that is seen for the first time, m/s.
 constexpr double kStartSpeed = 0.7;
 
@@ -68,17 +49,6 @@ constexpr double kEmptyShare = 0.7;
 constexpr int kEmptyImages = 3;
 /// Objects whose lower end is out of view stand on the floor, when it is at most so far below, m.
 constexpr double kToFloor = 1.2;
-
-double distanceOf(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
-  return std::sqrt(a.squaredExteriorDistance(b));
-}
-
-PointCluster joined(PointCluster a, const PointCluster& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  std::sort(a.begin(), a.end(),
-            [](const VoxelPoint& p, const VoxelPoint& q) { return p.key < q.key; });
-  return a;
-}
 
 bool hasPointNear(const PointCluster& cluster, const Eigen::Vector3f& place) {
   constexpr auto kSquare = static_cast<float>(kSamePlace * kSamePlace);
@@ -116,17 +86,15 @@ std::vector<ObjectState> ObjectFollower::objects(double time) const {
     if (track.object.number <= 0 || track.is_gone) continue;
     found.push_back(track.object);
     ObjectState& object = found.back();
-    if (isFollowed(track, time) || !object.is_moving) continue;
+    const double passed = std::max(0.0, time - object.last_seen);
+    object.is_in_view = object.is_in_view && passed <= kSlowImages;
+    if (isFollowed(track, time)) continue;
     object.velocity.setZero();
-    object.position_sigma += kWalking * std::max(0.0, time - object.last_seen);
+    if (track.has_moved) object.position_sigma += kWalking * passed;
   }
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.number < b.number; });
   return found;
-}
-
-void ObjectFollower::wait() {
-  for (Track& track : tracks_) track.object.is_in_view = false;
 }
 
 bool ObjectFollower::isFollowed(const Track& track, double time) {
@@ -175,108 +143,6 @@ void ObjectFollower::update(double time, const std::vector<ForeignDepth>& depths
   forgetOld(time);
 }
 
-std::map<size_t, PointCluster> ObjectFollower::continued(
-    double time, std::vector<PointCluster>* clusters) const {
-  // Large groups first: they are the objects, and small ones their parts.
-  std::stable_sort(clusters->begin(), clusters->end(),
-                   [](const auto& a, const auto& b) { return pointsIn(a) > pointsIn(b); });
-  std::map<size_t, PointCluster> parts;
-  std::vector<PointCluster> left;
-  for (PointCluster& cluster : *clusters) {
-    const Eigen::AlignedBox3d box = boxOf(cluster);
-    std::vector<size_t> near;
-    for (size_t i = 0; i < tracks_.size(); ++i) {
-      const ObjectState& object = tracks_[i].object;
-      if (!isFollowed(tracks_[i], time)) continue;
-      const double passed = time - object.last_seen;
-      const double reach = parts.count(i) ? kPart : kTouch + kWalking * passed;
-      if (distanceOf(box, tracks_[i].newest) <= reach) near.push_back(i);
-    }
-    if (near.empty()) {
-      left.push_back(std::move(cluster));
-      continue;
-    }
-    // Objects that touch make one group. Each point belongs to the nearest of them.
-    std::map<size_t, PointCluster> shared;
-    for (const VoxelPoint& v : cluster) {
-      const Eigen::Vector3d p = v.point.cast<double>();
-      const auto nearer = [&](size_t a, size_t b) {
-        const Eigen::AlignedBox3d &box_a = tracks_[a].newest, &box_b = tracks_[b].newest;
-        const double to_a = box_a.squaredExteriorDistance(p),
-                     to_b = box_b.squaredExteriorDistance(p);
-        return to_a != to_b ? to_a < to_b
-                            : (p - box_a.center()).norm() < (p - box_b.center()).norm();
-      };
-      shared[*std::min_element(near.begin(), near.end(), nearer)].push_back(v);
-    }
-    for (const auto& [track, points] : shared)
-      parts[track] = parts.count(track) ? joined(std::move(parts[track]), points) : points;
-  }
-  *clusters = std::move(left);
-  return parts;
-}
-
-size_t ObjectFollower::standingAt(const PointCluster& cluster) const {
-  const Eigen::AlignedBox3d box = boxOf(cluster);
-  for (size_t i = 0; i < tracks_.size(); ++i) {
-    const Track& track = tracks_[i];
-    if (track.is_gone || track.object.is_moving || distanceOf(box, track.object.box) > kTouch)
-      continue;
-    const auto same = std::count_if(cluster.begin(), cluster.end(), [&](const VoxelPoint& v) {
-      return track.places.count(v.key) > 0;
-    });
-    if (static_cast<double>(same) > kSamePlaces * static_cast<double>(cluster.size())) return i;
-  }
-  return tracks_.size();
-}
-
-size_t ObjectFollower::knownAgain(double time, const Track& found) const {
-  size_t best = tracks_.size();
-  double least = 1;
-  for (size_t i = 0; i < tracks_.size(); ++i) {
-    const Track& track = tracks_[i];
-    if (track.object.number <= 0 || track.object.last_seen >= found.object.first_seen) continue;
-    // What has always stood still does so out of view, unless its place was seen to be empty.
-    const double walked = kWalking * (time - track.object.last_seen);
-    const double reach = kReach + (track.is_gone || track.has_moved ? walked : 0);
-    const double way = distanceOf(found.newest, track.object.box) / reach;
-    const bool is_known = !found.appearance.empty() && !track.appearance.empty();
-    const double unlike = is_known
-                              ? differenceOf(found.appearance, track.appearance) / kOtherAppearance
-                              : kUnknownAppearance;
-    // A part may be hidden, so the new one may be smaller.
-    const double taller = ((*found.size)[2] - (*track.size)[2]) / kSizeChange;
-    if (way > 1 || unlike > 1 || taller > 1) continue;
-    const double cost = (way + unlike + std::abs(taller) / 3) / 3;
-    if (cost < least) {
-      least = cost;
-      best = i;
-    }
-  }
-  return best;
-}
-
-void ObjectFollower::giveNumbers(double time) {
-  for (Track& track : tracks_) {
-    if (track.object.number != 0 || track.sightings < kProvenSightings) continue;
-    const size_t known = knownAgain(time, track);
-    if (known == tracks_.size()) {
-      track.object.number = next_number_++;
-      continue;
-    }
-    Track& before = tracks_[known];
-    track.object.number = before.object.number;
-    track.object.first_seen = before.object.first_seen;
-    track.size = track.size->cwiseMax(*before.size);
-    track.appearance = before.appearance;
-    track.has_moved |= before.has_moved || before.is_gone;
-    before.object.number = kErased;
-  }
-  tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(),
-                               [](const Track& t) { return t.object.number == kErased; }),
-                tracks_.end());
-}
-
 void ObjectFollower::see(double time, const ForeignDepth& view,
                          const std::vector<ForeignColour>& colours, const RayScene* scene,
                          const DepthParameters& params) {
@@ -286,10 +152,18 @@ void ObjectFollower::see(double time, const ForeignDepth& view,
     points.emplace_back((view.T_map_depth * p.cast<double>()).cast<float>());
   std::vector<PointCluster> clusters = clustersOf(
       voxelsOf(points), neighboursOf(view.foreign.points, view.image.camera, view.foreign.spacing));
-  std::map<size_t, PointCluster> parts = continued(time, &clusters);
+  std::vector<PointCluster> apart;
+  std::map<size_t, PointCluster> parts = continued(time, &clusters, &apart);
+  for (const PointCluster& cluster : apart) {
+    const Eigen::AlignedBox3d box = boxOf(cluster);
+    for (Track& track : tracks_)
+      for (auto it = track.places.begin(); it != track.places.end();)
+        it = box.contains(it->second.point.cast<double>()) ? track.places.erase(it) : std::next(it);
+    tracks_.push_back(begun(time, ObjectSide(cluster, view)));
+    parts[tracks_.size() - 1] = cluster;
+  }
   for (const PointCluster& cluster : clusters) {
-    const Eigen::Vector3d sizes = boxOf(cluster).sizes();
-    if (innerPointsIn(cluster) < kFewestPoints || sizes.maxCoeff() < kSmallest) continue;
+    if (!isLarge(cluster)) continue;
     size_t known = standingAt(cluster);
     if (known == tracks_.size()) tracks_.push_back(begun(time, ObjectSide(cluster, view)));
     if (!isFollowed(tracks_[known], time)) tracks_[known].surfaces.clear();
@@ -385,7 +259,7 @@ void ObjectFollower::add(double time, const PointCluster& cluster, const Foreign
   if (scene && side.isCutBelow()) standOnFloor(*scene, &object.box);
   track->newest = boxOf(cluster);
   object.velocity = object.is_moving ? track->velocity : Eigen::Vector3d::Zero();
-  object.position_sigma = std::sqrt(track->variance(0, 0));
+  object.position_sigma = std::hypot(std::sqrt(track->variance(0, 0)), kHidden * (*track->size)[1]);
   if (object.last_seen < time || track->sightings == 0) ++track->sightings;
   object.last_seen = time;
   track->empty = 0;
@@ -417,7 +291,7 @@ void ObjectFollower::forgetOld(double time) {
   const auto isOld = [&](const Track& track) {
     const double passed = time - track.object.last_seen;
     if (track.object.number == 0) return passed > kForgetUnproven;
-    return (track.is_gone || track.object.is_moving) && passed > kRemember;
+    return (track.is_gone || track.has_moved) && passed > kRemember;
   };
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), isOld), tracks_.end());
   while (tracks_.size() > kMost)

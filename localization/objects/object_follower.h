@@ -20,8 +20,8 @@ struct ObjectState {
   int number = 0;                                      ///< stays the same while it is known
   Eigen::AlignedBox3d box;                             ///< in the axes of the map, m
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s; zero while it stands still
-  /// Standard deviation of the middle of the box, per axis, m. It grows while an object that moved
-  /// is out of view.
+  /// Standard deviation of the middle of the box, per axis, without that of the camera's pose, m.
+  /// It grows while an object that has moved is out of view.
   double position_sigma = 0;
   bool is_moving = false;                ///< it moves, or did so when it was last seen
   bool is_in_view = false;               ///< the newest depth images show it
@@ -48,8 +48,6 @@ class ObjectFollower {
   void update(double time, const std::vector<ForeignDepth>& depths,
               const std::vector<ForeignColour>& colours, const RayScene* scene,
               const DepthParameters& params);
-  /// To be called in place of update() when no depth image can be used.
-  void wait();
   /// Objects that were seen at least three times, in the order of their numbers. Those without a
   /// place are left out. @param time now, s
   std::vector<ObjectState> objects(double time) const;
@@ -69,6 +67,7 @@ class ObjectFollower {
   struct Track {
     ObjectState object;
     int sightings = 0;
+    int torn = 0;  // images in a row in which it was two groups that lie apart
     bool has_moved = false;
     bool is_gone = false;        // its place was seen to be empty
     int empty = 0;               // images in a row that saw its place empty
@@ -91,8 +90,9 @@ class ObjectFollower {
   void see(double time, const ForeignDepth& view, const std::vector<ForeignColour>& colours,
            const RayScene* scene, const DepthParameters& params);
   /// Groups that continue tracks which were in view a moment ago. @param clusters those that
-  /// continue none are left
-  std::map<size_t, PointCluster> continued(double time, std::vector<PointCluster>* clusters) const;
+  /// continue none are left @param apart those that were taken for parts of an object, and are not
+  std::map<size_t, PointCluster> continued(double time, std::vector<PointCluster>* clusters,
+                                           std::vector<PointCluster>* apart);
   /// The track that stood where a group is. @return number of tracks when there is none
   size_t standingAt(const PointCluster& cluster) const;
   /// The track out of view that a new track goes on. @return number of tracks when there is none
@@ -113,6 +113,10 @@ class ObjectFollower {
   void noteEmptyPlaces(double time, const std::vector<ForeignDepth>& depths,
                        const DepthParameters& params);
   void forgetOld(double time);
+
+  /// Speed of people, m/s, and the time after which an object without a place, or that has moved,
+  /// is forgotten out of view, s.
+  static constexpr double kWalking = 1.5, kRemember = 60;
 
   std::vector<Track> tracks_;
   int next_number_ = 1;

@@ -17,6 +17,9 @@ constexpr int64_t kGapUpwards = 4;
 /// Largest step of depth between neighbouring pixels of one surface, m: a side that is seen at 10
 /// degrees from 5 m.
 constexpr float kDepthGap = 0.25F;
+/// See isLarge(). 1, m
+constexpr int kFewestPoints = 20;
+constexpr double kSmallest = 0.15;
 /// Share of the points that may lie beyond either side of a box.
 constexpr double kTrimmed = 0.005;
 
@@ -200,6 +203,17 @@ Eigen::AlignedBox3d boxOf(const PointCluster& cluster) {
     box.max()[axis] = high->first;
   }
   return box;
+}
+
+bool isLarge(const PointCluster& cluster) {
+  return innerPointsIn(cluster) >= kFewestPoints && boxOf(cluster).sizes().maxCoeff() >= kSmallest;
+}
+
+PointCluster joined(PointCluster a, const PointCluster& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  std::sort(a.begin(), a.end(),
+            [](const VoxelPoint& p, const VoxelPoint& q) { return p.key < q.key; });
+  return a;
 }
 
 }  // namespace edge_mcl

@@ -59,4 +59,11 @@ Eigen::AlignedBox3d boxOf(const PointCluster& cluster);
 int pointsIn(const PointCluster& cluster);
 int innerPointsIn(const PointCluster& cluster);
 
+/// Whether a cluster can be a thing of its own: it has 20 inner points, and a side of 0.15 m.
+/// Smaller and thinner ones are the edges of surfaces.
+bool isLarge(const PointCluster& cluster);
+
+/// Both clusters as one. They have no voxel in common.
+PointCluster joined(PointCluster a, const PointCluster& b);
+
 }  // namespace edge_mcl

@@ -25,9 +25,12 @@ constexpr double kClear = 50;
 /// Median depth of what the camera sees of the model, m; 0: nothing
 double depthOf(const AskedImage& asked, const CameraModel& camera) {
   const Pose T_camera_map = (asked.pose * asked.T_base_camera).inverse();
+  const Visibility& visibility = asked.map.visibility();
+  const auto visible =
+      visibility.cached(visibility.cellOf((asked.pose * asked.T_base_camera).translation()));
   std::vector<double> depths;
-  for (const EdgeSegment& segment : asked.map.edges().segments) {
-    const Eigen::Vector3d p = T_camera_map * segment.centre.cast<double>();
+  for (const VisibleSet::Segment& segment : visible->segments) {
+    const Eigen::Vector3d p = T_camera_map * visible->edgeSegment(segment).centre.cast<double>();
     Eigen::Vector2d pixel;
     if (p.z() > 0 && camera.project(p, &pixel) && camera.contains(pixel)) depths.push_back(p.z());
   }

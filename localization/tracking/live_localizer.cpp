@@ -58,6 +58,7 @@ bool LiveLocalizer::isLeftToSearch(const LiveInput& input) const {
 
 void LiveLocalizer::setPose(const PoseGaussian& pose) {
   filter_.initialize(pose);
+  objects_.forget();  // their places may belong to another pose
   begin();
   given_ = initial_;
 }
@@ -96,6 +97,7 @@ bool LiveLocalizer::addToProof(double time, LiveResult* result) {
 
 void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
   filter_.setParticles(std::move(poses), std::move(log_weights));
+  objects_.forget();  // their places may belong to another pose
   begin();
   given_ = initial_;
 }
@@ -325,7 +327,7 @@ LiveResult LiveLocalizer::process(const LiveInput& input) {
   result.state = state();
   result.estimate = presentPose();
   if (isInitialized()) result.probability = probability_.value();
-  result.objects = objects_.objects(input.time);
+  result.objects = objects_.objects(result.late && last_time_ ? *last_time_ : input.time);
   if (result.state == LocalizerState::kTracking && !result.late) {
     tracked_ = result.estimate;
     tracked_at_ = input.time;

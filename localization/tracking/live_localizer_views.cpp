@@ -135,8 +135,6 @@ void LiveLocalizer::followObjects(const LiveInput& input, LiveResult* result) {
     const RayScene* scene = map_->visibility().scene();
     objects_.update(input.time, depths, colours, scene, map_->params().depth);
     result->objects_ms = millisecondsSince(begin);
-  } else {
-    objects_.wait();
   }
 }
 

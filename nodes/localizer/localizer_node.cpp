@@ -292,8 +292,9 @@ void LocalizerNode::process(const Moment& moment) {
   context.updates = updates_;
   context.update_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  if (result.restarted || result.is_told_once) ROS_WARN("%s", result.problem.c_str());
-  if (!result.problem.empty())
+  if (result.restarted || result.is_told_once)
+    ROS_WARN("%s", result.problem.c_str());
+  else if (!result.problem.empty())
     ROS_WARN_THROTTLE(5, "%s: %s", nameOf(result.state), result.problem.c_str());
   if (objects_) objects_->publish(input, result, moment.stamp);
   publisher_->publish(result, *localizer_, context);

@@ -53,12 +53,19 @@ ObjectPublisher::ObjectPublisher(ros::NodeHandle nh, ros::NodeHandle private_nh,
       detections_(nh.subscribe("detections", 5, &ObjectPublisher::receive, this)) {}
 
 void ObjectPublisher::receive(const DetectedObjectsConstPtr& detections) {
+  const std::lock_guard<std::mutex> lock(names_mutex_);
   std::vector<ObjectNames::Found> found;
-  for (const DetectedObject& d : detections->objects)
+  std::map<int32_t, float> ages;
+  for (const DetectedObject& d : detections->objects) {
+    ages[d.track_id] = d.age;
+    // Between two runs of the network the detector repeats what it found. That proves nothing.
+    const auto before = ages_.find(d.track_id);
+    if (before != ages_.end() && d.age > before->second) continue;
     found.push_back({d.class_name, static_cast<double>(d.score),
                      cv::Rect2d(static_cast<double>(d.x), static_cast<double>(d.y),
                                 static_cast<double>(d.width), static_cast<double>(d.height))});
-  const std::lock_guard<std::mutex> lock(names_mutex_);
+  }
+  ages_ = std::move(ages);
   names_.hear(detections->header.stamp.toSec(), found);
 }
 

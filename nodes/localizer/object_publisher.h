@@ -5,6 +5,7 @@
 #include <edge_mcl/ForeignObjects.h>
 #include <ros/node_handle.h>
 
+#include <map>
 #include <mutex>
 #include <string>
 
@@ -30,7 +31,8 @@ class ObjectPublisher {
   ros::Publisher objects_, markers_;
   std::mutex names_mutex_;  // detections arrive in another thread than results
   ObjectNames names_;
-  ros::Subscriber detections_;  // the last one: its callback needs all others
+  std::map<int32_t, float> ages_;  // of the newest detections, by number of the detector's track
+  ros::Subscriber detections_;     // the last one: its callback needs all others
 };
 
 }  // namespace edge_mcl
