@@ -40,8 +40,9 @@ constexpr double kSlow = 0.2, kMovedShare = 0.6, kStillShare = 0.75;
 /// Weight of one image in the smoothed share.
 constexpr double kSmoothing = 0.3;
 
-/// A place belongs to a box when so many images have shown it.
-constexpr int kSeenPlace = 2;
+/// A place belongs to a box when so many images have shown it. More than the larger number do not
+/// count, so that a place that becomes empty goes within a few images.
+constexpr int kSeenPlace = 2, kMostSeen = 8;
 /// Depth behind a place by more than this means that it is empty, m.
 constexpr double kBehind = 0.15;
 /// Share of the places in view that must be empty, and images in a row, until an object has gone.
@@ -224,7 +225,8 @@ void ObjectFollower::collect(const PointCluster& cluster, const ForeignDepth& vi
   std::map<int64_t, Place>& places = track->places;
   for (const VoxelPoint& v : cluster) {
     Place& place = places.try_emplace(v.key, Place{v.point, 0}).first->second;
-    place.point += (v.point - place.point) / static_cast<float>(++place.seen);
+    place.seen = std::min(place.seen + 1, kMostSeen);
+    place.point += (v.point - place.point) / static_cast<float>(place.seen);
   }
   for (auto it = places.begin(); it != places.end();) {
     const bool is_empty =

@@ -12,13 +12,18 @@ namespace {
 
 using visualization_msgs::Marker;
 
+Marker markerOf(const ForeignObject& object, const char* group, int type) {
+  Marker marker;
+  marker.ns = group;
+  marker.id = static_cast<int>(object.number);
+  marker.type = type;
+  marker.pose.orientation.w = 1;
+  marker.pose.position = object.center;
+  return marker;
+}
+
 Marker boxOf(const ForeignObject& object) {
-  Marker box;
-  box.ns = "boxes";
-  box.id = static_cast<int>(object.number);
-  box.type = Marker::CUBE;
-  box.pose.orientation.w = 1;
-  box.pose.position = object.center;
+  Marker box = markerOf(object, "boxes", Marker::CUBE);
   box.scale = object.size;
   box.color.r = object.moving ? 1.0F : 0.2F;
   box.color.g = 0.5F;
@@ -29,12 +34,7 @@ Marker boxOf(const ForeignObject& object) {
 
 Marker textOf(const ForeignObject& object) {
   constexpr double kAbove = 0.15;  // m
-  Marker text;
-  text.ns = "numbers";
-  text.id = static_cast<int>(object.number);
-  text.type = Marker::TEXT_VIEW_FACING;
-  text.pose.orientation.w = 1;
-  text.pose.position = object.center;
+  Marker text = markerOf(object, "numbers", Marker::TEXT_VIEW_FACING);
   text.pose.position.z += object.size.z / 2 + kAbove;
   text.scale.z = 0.2;
   text.color.r = text.color.g = text.color.b = text.color.a = 1;

@@ -50,7 +50,7 @@ class Room {
       for (int u = 0; u < kCamera.width; ++u) {
         const Eigen::Vector3d ray((u - kCamera.cx) / kCamera.fx, (v - kCamera.cy) / kCamera.fy, 1);
         const Eigen::Vector3d direction = view.T_map_depth.linear() * ray;
-        double depth = hit({Eigen::Vector3d(8, -50, -1), Eigen::Vector3d(9, 50, 4)},
+        double depth = hit({Eigen::Vector3d(8, -50, -50), Eigen::Vector3d(9, 50, 50)},
                            view.T_map_depth.translation(), direction);
         for (const Thing& t : things) {
           const double of_thing = hit(t.box, view.T_map_depth.translation(), direction);
@@ -231,6 +231,17 @@ TEST(ObjectFollower, WhoGetsUpFromAChairIsAnObjectOfTheirOwn) {
   EXPECT_LT((found[walker].box.center().head<2>() - Eigen::Vector2d(4.7, 1.15)).norm(), 0.25);
   EXPECT_FALSE(found[1 - walker].is_moving);
   EXPECT_LT((found[1 - walker].box.center().head<2>() - Eigen::Vector2d(5, -1)).norm(), 0.35);
+}
+
+/// It stood for long. So its old places have been seen often, and must go nevertheless.
+TEST(ObjectFollower, AThingThatIsPushedOutOfViewHasItsNewBox) {
+  Room room;
+  room.watch(0, 20, [](double) { return std::vector<Thing>{thing(4, 0)}; });
+  for (double t = 20; t < 22; t += 1 / Room::kRate) room.look(t, {}, {0, 0}, M_PI);
+  room.watch(22, 24, [](double) { return std::vector<Thing>{thing(4, 0.25)}; });
+  const ObjectState found = room.only();
+  EXPECT_EQ(found.number, 1);
+  EXPECT_LT(std::abs(found.box.center().y() - 0.25), kVoxel);
 }
 
 /// An image a second, as on small computers.
