@@ -137,9 +137,13 @@ std::shared_ptr<const PreparedPlaces> LocalizationMap::preparedPlaces(
     const auto make = [&] {
       return PreparedPlaces(*freeSpace(), *visibility_, p, *axes, progress);
     };
+    // Both determine what a place sees.
+    const double tolerances =
+        visibility_->occlusionTolerance() + visibility_->occlusionToleranceOfLines();
     search_->prepared = std::make_shared<const PreparedPlaces>(
         p.store_places && !model_file_.empty()
-            ? storedPreparedPlaces(model_file_, PreparedPlaces::hashOf(*mesh_, *edges_, p), make)
+            ? storedPreparedPlaces(model_file_,
+                                   PreparedPlaces::hashOf(*mesh_, *edges_, p, tolerances), make)
             : make());
   }
   search_->is_prepared = true;

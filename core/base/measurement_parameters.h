@@ -32,6 +32,7 @@ struct MapParameters {
   bool seams = false;
   std::string confidence;
   double min_confidence = 0.5;
+  std::string additions;
   double import_seconds = 0;
   double import_gigabytes = 0;
 
@@ -80,6 +81,11 @@ struct MapParameters {
       "of the map; empty = none");
     v("min_confidence", min_confidence, "", between(0, 1),
       "lines and shapes with a lower confidence are left out");
+    v("additions", additions, "", anyValue(),
+      "files with what the building has and the model lacks, with commas between, as `edge-mcl "
+      "audit "
+      "--add` writes them; metres, in the coordinates of the model file after scale and transform; "
+      "empty = none");
     v("import_seconds", import_seconds, "s", notNegative(),
       "longest time for reading the model file; 0 = 20 s, and 2 s for each megabyte");
     v("import_gigabytes", import_gigabytes, "GB", notNegative(),

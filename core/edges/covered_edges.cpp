@@ -185,13 +185,30 @@ void appendVisible(const Cover& cover, const EdgeLine& edge, bool is_shared,
   if (was_visible) append(begin, 1);
 }
 
+/// The mesh without faces that only hide: they are no bodies, so they have no inside, and an edge
+/// beside them can be seen once the thing has gone. @return none when it has no such faces
+std::optional<MeshModel> withoutHidingFaces(const MeshModel& mesh) {
+  if (mesh.hides_only.empty()) return std::nullopt;
+  MeshModel solid = mesh;
+  solid.triangles.clear();
+  solid.triangle_material.clear();
+  solid.hides_only.clear();
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (mesh.hides_only[i]) continue;
+    solid.triangles.push_back(mesh.triangles[i]);
+    solid.triangle_material.push_back(mesh.triangle_material[i]);
+  }
+  return solid;
+}
+
 }  // namespace
 
 CoveredEdges dropCoveredEdges(const MeshModel& mesh, bool material_borders,
                               const std::vector<bool>& is_shared, std::vector<EdgeLine>* edges) {
   CoveredEdges dropped;
   if (mesh.triangles.empty() || edges->empty()) return dropped;
-  const Cover cover(mesh, material_borders);
+  const std::optional<MeshModel> solid = withoutHidingFaces(mesh);
+  const Cover cover(solid ? *solid : mesh, material_borders);
   std::vector<std::vector<EdgeLine>> pieces(edges->size());
   tbb::parallel_for(size_t{0}, edges->size(), [&](size_t i) {
     const EdgeLine& edge = (*edges)[i];

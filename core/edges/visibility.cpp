@@ -80,12 +80,15 @@ class RayPacket {
 double automaticCellSize(const MeshModel& mesh) {
   return std::clamp(0.02 * mesh.diagonal(), 0.02, 0.10);
 }
+/// The faces of a scan lie beside its lines, by the noise of the scan and by the size of the faces
+/// (5 cm by default).
+constexpr double kScanTolerance = 0.08;  // m
+
 double automaticTolerance(const MeshModel& mesh) {
-  // The faces of a scan lie beside its lines, by the noise of the scan and by the size of the faces
-  // (5 cm by default).
-  constexpr double kScan = 0.08;
-  if (!mesh.hides_only.empty()) return kScan;
-  return std::clamp(0.002 * mesh.diagonal(), 1e-4, 0.01);
+  const bool is_scan =
+      !mesh.hides_only.empty() && std::all_of(mesh.hides_only.begin(), mesh.hides_only.end(),
+                                              [](bool hides_only) { return hides_only; });
+  return is_scan ? kScanTolerance : std::clamp(0.002 * mesh.diagonal(), 1e-4, 0.01);
 }
 
 /// Weight of a line by the direction of its faces, see VisibleSet::facingWeight(). It is the
@@ -124,6 +127,9 @@ Visibility::Visibility(const MeshModel& mesh, const EdgeModel& model,
       cell_size_(params.cell_size > 0 ? params.cell_size : automaticCellSize(mesh)),
       tolerance_(params.occlusion_tolerance > 0 ? params.occlusion_tolerance
                                                 : automaticTolerance(mesh)),
+      tolerance_of_lines_(params.occlusion_tolerance > 0 || mesh.hides_only.empty()
+                              ? tolerance_
+                              : std::max(tolerance_, kScanTolerance)),
       scene_(mesh.triangles.empty() ? nullptr
                                     : std::make_unique<RayScene>(mesh, RayScene::Rays::kRobust)),
       large_faces_(mesh),
@@ -142,7 +148,7 @@ bool ViewCone::touches(const Eigen::Vector3f& centre, float radius) const {
 VisibleSet Visibility::exact(const Eigen::Vector3d& position, uint32_t thinning,
                              const ViewCone& cone) const {
   const Eigen::Vector3f eye = position.cast<float>();
-  const auto tolerance = static_cast<float>(tolerance_);
+  const auto tolerance = static_cast<float>(tolerance_of_lines_);  // the larger one
   return tested(eye, thinning, cone, tree_.find([&](const Box& box) {
     return cone.touches(box.centre - eye, box.half.norm()) &&
            !large_faces_.hide(eye, box.centre, box.half, tolerance);
@@ -191,10 +197,11 @@ VisibleSet Visibility::tested(const Eigen::Vector3f& eye, uint32_t thinning, con
 
 void Visibility::removeHidden(const Eigen::Vector3f& eye,
                               std::vector<VisibleSet::Segment>* segments) const {
-  const auto tolerance = static_cast<float>(tolerance_);
   RayPacket packet(scene_->get(), eye);
   for (VisibleSet::Segment& seen : *segments) {
     const EdgeSegment& segment = model_.segments[seen.index];
+    const bool is_explicit = model_.lines[segment.line].kind == EdgeKind::kLine;
+    const auto tolerance = static_cast<float>(is_explicit ? tolerance_of_lines_ : tolerance_);
     // A copy, because the packet clears bits of seen.samples during this loop.
     const uint16_t asked = seen.samples;
     for (uint32_t i = 0; i < segment.sample_count; ++i)

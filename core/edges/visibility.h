@@ -97,6 +97,9 @@ class Visibility {
   double cellSize() const { return cell_size_; }
   /// A surface closer than this to a sample does not hide it, metres.
   double occlusionTolerance() const { return tolerance_; }
+  /// The same for the sample of an explicit line. It is larger beside the faces of a scan, which
+  /// lie beside the lines that were found with it.
+  double occlusionToleranceOfLines() const { return tolerance_of_lines_; }
   /// The faces of the model in the ray caster; null: it has none.
   const RayScene* scene() const { return scene_.get(); }
   const EdgeModel& model() const { return model_; }
@@ -117,7 +120,7 @@ class Visibility {
   const EdgeModel& model_;
   VisibilityParameters params_;
   double cell_size_;
-  double tolerance_;
+  double tolerance_, tolerance_of_lines_;
   std::unique_ptr<RayScene> scene_;  // null: the model has no faces
   LargeFaces large_faces_;
   SegmentTree tree_;

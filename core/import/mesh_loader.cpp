@@ -18,7 +18,7 @@ namespace edge_mcl {
 
 namespace {
 
-/// Patterns that are separated by commas.
+/// Patterns or files that are separated by commas.
 std::vector<std::string> patternsOf(const std::string& text) {
   std::vector<std::string> list;
   std::istringstream in(text);
@@ -46,23 +46,8 @@ bool matchesOne(const std::string& name, const std::vector<std::string>& pattern
                      [&](const std::string& pattern) { return matches(name, pattern); });
 }
 
-/// Drops the objects that map.include and map.exclude leave out.
-/// @throws InputError when a pattern matches no object, which is a typing error.
-void chooseObjects(const MapParameters& params, const std::string& file, RawModel* model) {
-  const std::vector<std::string> include = patternsOf(params.include);
-  const std::vector<std::string> exclude = patternsOf(params.exclude);
-  if (include.empty() && exclude.empty()) return;
-  const auto requireMatch = [&](const std::string& pattern) {
-    if (std::none_of(model->objects.begin(), model->objects.end(),
-                     [&](const std::string& name) { return matches(name, pattern); }))
-      throw InputError(file + ": no object has a name like '" + pattern +
-                       "' (edge-mcl inspect --objects lists the names)");
-  };
-  std::for_each(include.begin(), include.end(), requireMatch);
-  std::for_each(exclude.begin(), exclude.end(), requireMatch);
-  std::vector<bool> keep;
-  for (const std::string& name : model->objects)
-    keep.push_back((include.empty() || matchesOne(name, include)) && !matchesOne(name, exclude));
+/// Drops objects. @param keep one entry for each object
+void keepObjects(const std::vector<bool>& keep, RawModel* model) {
   RawModel chosen = *model;
   chosen.triangles.clear();
   chosen.triangle_material.clear();
@@ -80,9 +65,43 @@ void chooseObjects(const MapParameters& params, const std::string& file, RawMode
       chosen.lines.push_back(model->lines[i]);
       chosen.line_object.push_back(model->line_object[i]);
     }
-  if (chosen.triangles.empty() && chosen.lines.empty())
-    throw InputError(file + ": map.include and map.exclude leave nothing of the model");
   *model = std::move(chosen);
+}
+
+/// Drops the objects that map.include and map.exclude leave out. map.include speaks of the model
+/// only: who adds a file wants what it holds.
+/// @throws InputError when a pattern matches no object, which is a typing error.
+void chooseObjects(const MapParameters& params, const std::string& file, RawModel* model,
+                   std::vector<RawModel>* additions) {
+  const std::vector<std::string> include = patternsOf(params.include);
+  const std::vector<std::string> exclude = patternsOf(params.exclude);
+  if (include.empty() && exclude.empty()) return;
+  const auto holds = [](const RawModel& m, const std::string& pattern) {
+    return std::any_of(m.objects.begin(), m.objects.end(),
+                       [&](const std::string& name) { return matches(name, pattern); });
+  };
+  const auto fail = [&](const std::string& pattern) {
+    throw InputError(file + ": no object has a name like '" + pattern +
+                     "' (edge-mcl inspect --objects lists the names)");
+  };
+  for (const std::string& pattern : include)
+    if (!holds(*model, pattern)) fail(pattern);
+  for (const std::string& pattern : exclude)
+    if (!holds(*model, pattern) &&
+        std::none_of(additions->begin(), additions->end(),
+                     [&](const RawModel& addition) { return holds(addition, pattern); }))
+      fail(pattern);
+  std::vector<bool> keep;
+  for (const std::string& name : model->objects)
+    keep.push_back((include.empty() || matchesOne(name, include)) && !matchesOne(name, exclude));
+  keepObjects(keep, model);
+  if (model->triangles.empty() && model->lines.empty())
+    throw InputError(file + ": map.include and map.exclude leave nothing of the model");
+  for (RawModel& addition : *additions) {
+    keep.clear();
+    for (const std::string& name : addition.objects) keep.push_back(!matchesOne(name, exclude));
+    keepObjects(keep, &addition);
+  }
 }
 
 /// Drops vertices of which no triangle or line is made. They must not place the origin.
@@ -149,6 +168,42 @@ void addSizeWarnings(bool is_unit_known, MeshModel* mesh) {
   count(mesh->report.zero_length_lines, " lines without length dropped");
 }
 
+bool hidesOnly(const std::string& object) {
+  const std::string name = kHidingFaces;
+  return object.size() >= name.size() &&
+         object.compare(object.size() - name.size(), name.size(), name) == 0 &&
+         (object.size() == name.size() || object[object.size() - name.size() - 1] == '_');
+}
+
+/// Appends the parts of a model whose vertices are in the map frame before the origin is
+/// subtracted.
+void append(RawModel raw, const Eigen::Vector3d& origin, MeshSoup* soup) {
+  const auto first = static_cast<uint32_t>(soup->vertices.size());
+  const uint32_t first_material = soup->material_count;
+  const bool hides = std::any_of(raw.triangle_object.begin(), raw.triangle_object.end(),
+                                 [&](uint32_t object) { return hidesOnly(raw.objects[object]); });
+  if (hides || !soup->hides_only.empty()) {
+    soup->hides_only.resize(soup->triangles.size(), false);
+    for (const uint32_t object : raw.triangle_object)
+      soup->hides_only.push_back(hidesOnly(raw.objects[object]));
+  }
+  for (const Eigen::Vector3d& v : raw.vertices)
+    soup->vertices.push_back((v - origin).cast<float>());
+  for (auto& triangle : raw.triangles) {
+    for (uint32_t& vertex : triangle) vertex += first;
+    soup->triangles.push_back(triangle);
+  }
+  for (const uint32_t material : raw.triangle_material)
+    soup->triangle_material.push_back(first_material + material);
+  for (auto& line : raw.lines) {
+    for (uint32_t& vertex : line) vertex += first;
+    soup->lines.push_back(line);
+  }
+  soup->material_count += static_cast<uint32_t>(raw.material_colors.size());
+  soup->material_colors.insert(soup->material_colors.end(), raw.material_colors.begin(),
+                               raw.material_colors.end());
+}
+
 /// The model's parts in the map frame, and the origin of the map frame.
 MeshSoup soupOf(RawModel raw, const Eigen::Affine3d& to_map, const MapParameters& params,
                 Eigen::Vector3d* origin) {
@@ -161,16 +216,8 @@ MeshSoup soupOf(RawModel raw, const Eigen::Affine3d& to_map, const MapParameters
   *origin = mapOrigin(params, finite);
   MeshSoup soup;
   soup.vertices.reserve(raw.vertices.size());
-  for (const Eigen::Vector3d& v : raw.vertices)
-    soup.vertices.push_back((v - *origin).cast<float>());
-  if (std::find(raw.objects.begin(), raw.objects.end(), kHidingFaces) != raw.objects.end())
-    for (const uint32_t object : raw.triangle_object)
-      soup.hides_only.push_back(raw.objects[object] == kHidingFaces);
-  soup.triangles = std::move(raw.triangles);
-  soup.triangle_material = std::move(raw.triangle_material);
-  soup.lines = std::move(raw.lines);
-  soup.material_count = static_cast<uint32_t>(raw.material_colors.size());
-  soup.material_colors = std::move(raw.material_colors);
+  soup.material_count = 0;
+  append(std::move(raw), *origin, &soup);
   return soup;
 }
 
@@ -197,9 +244,7 @@ double weldTolerance(const MeshSoup& soup) {
   return std::isfinite(diagonal) ? std::clamp(1e-6 * diagonal, 1e-7, 1e-4) : 1e-7;
 }
 
-}  // namespace
-
-MeshModel loadMesh(const std::string& file, const MapParameters& params) {
+RawModel readFile(const std::string& file, const MapParameters& params) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) throw InputError(file + ": is a directory");
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
@@ -208,10 +253,51 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   requireReadableFormat(file);
   RawModel raw = importModel(file, {params.import_seconds, params.import_gigabytes});
   if (raw.vertices.empty()) throw InputError(file + ": the model has no vertices");
-  chooseObjects(params, file, &raw);
+  return raw;
+}
+
+/// The files of map.additions, in metres.
+std::vector<RawModel> readAdditions(const MapParameters& params,
+                                    std::vector<std::string>* warnings) {
+  std::vector<RawModel> additions;
+  for (const std::string& file : patternsOf(params.additions)) {
+    RawModel raw = readFile(file, params);
+    const double unit = raw.in_metres || raw.unit <= 0 ? 1 : raw.unit;
+    const std::string coarse = coarseness(raw, unit, file);
+    if (!coarse.empty()) warnings->push_back(file + ": " + coarse);
+    if (endsTooEarly(file))
+      warnings->push_back(file + ": the file ends too early. Was it cut off?");
+    for (Eigen::Vector3d& v : raw.vertices) v *= unit;
+    additions.push_back(std::move(raw));
+  }
+  return additions;
+}
+
+/// @param origin of the map frame
+/// @throws InputError when an addition lies so far from the model that it belongs to another one.
+void requireNear(const RawModel& addition, const Eigen::Vector3d& origin) {
+  constexpr double kFar = 20000;  // m, larger than any site
+  for (const Eigen::Vector3d& v : addition.vertices)
+    if (!((v - origin).cwiseAbs().maxCoeff() < kFar))
+      throw InputError("map.additions: " + metresText(v) +
+                       " is more than 20 km from the model; additions have its coordinates after "
+                       "scale and transform, in metres");
+}
+
+}  // namespace
+
+MeshModel loadMesh(const std::string& file, const MapParameters& params) {
+  RawModel raw = readFile(file, params);
+  std::vector<std::string> of_additions;
+  std::vector<RawModel> additions = readAdditions(params, &of_additions);
+  chooseObjects(params, file, &raw, &additions);
   std::map<std::string, size_t> objects;
-  for (const uint32_t i : raw.triangle_object) ++objects[raw.objects[i]];
-  for (const uint32_t i : raw.line_object) ++objects[raw.objects[i]];
+  const auto count = [&](const RawModel& part) {
+    for (const uint32_t i : part.triangle_object) ++objects[part.objects[i]];
+    for (const uint32_t i : part.line_object) ++objects[part.objects[i]];
+  };
+  count(raw);
+  std::for_each(additions.begin(), additions.end(), count);
   dropUnusedVertices(&raw);
   // Metres per unit of the vertices. map.scale is metres per unit of the file.
   const double file_unit = raw.unit > 0 ? raw.unit : 1;
@@ -223,6 +309,12 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   const size_t empty_faces = raw.empty_faces;
   Eigen::Vector3d origin;
   MeshSoup soup = soupOf(std::move(raw), mapTransform(params, scale), params, &origin);
+  for (RawModel& addition : additions) {
+    if (addition.triangles.empty() && addition.lines.empty()) continue;  // all are excluded
+    dropUnusedVertices(&addition);
+    requireNear(addition, origin);
+    append(std::move(addition), origin, &soup);
+  }
   const double tolerance = params.weld_tolerance > 0 ? params.weld_tolerance : weldTolerance(soup);
   MeshModel mesh = weldMesh(std::move(soup), tolerance, file);
   mesh.origin = origin;
@@ -230,6 +322,7 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   mesh.report.degenerate_triangles += empty_faces;
   std::vector<std::string>& warnings = mesh.report.warnings;
   if (!coarse.empty()) warnings.push_back(coarse);
+  warnings.insert(warnings.end(), of_additions.begin(), of_additions.end());
   if (endsTooEarly(file))
     warnings.emplace_back(
         "the file ends too early. Was it cut off? Then a part of the model is missing");

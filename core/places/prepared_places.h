@@ -32,8 +32,9 @@ class PreparedPlaces {
                  const Progress& progress = {});
 
   /// Hash of everything that determines the places: mesh, edges, options and method.
+  /// @param occlusion_tolerance see Visibility, m
   static uint64_t hashOf(const MeshModel& mesh, const EdgeModel& model,
-                         const SearchParameters& params);
+                         const SearchParameters& params, double occlusion_tolerance);
   /// Writes the places to a file. @throws InputError when it cannot be written.
   void write(const std::string& file, uint64_t hash) const;
   /// Reads places. @throws InputError when the file is missing or broken, or has another hash.

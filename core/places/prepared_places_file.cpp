@@ -1,4 +1,5 @@
 // Reads and writes prepared places.
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -18,14 +19,19 @@ struct Info {
 }  // namespace
 
 uint64_t PreparedPlaces::hashOf(const MeshModel& mesh, const EdgeModel& model,
-                                const SearchParameters& params) {
+                                const SearchParameters& params, double occlusion_tolerance) {
   ContentHash hash;
   hash.add(reinterpret_cast<const uint32_t*>(kKind.magic), 2);
-  const double options[] = {params.prepared_spacing, params.prepared_megabytes, params.clearance,
-                            params.enclosure, model.sample_step};
+  const double options[] = {params.prepared_spacing, params.prepared_megabytes,
+                            params.clearance,        params.enclosure,
+                            model.sample_step,       occlusion_tolerance};
   hash.add(options, std::size(options));
   hash.add(mesh.vertices.data(), mesh.vertices.size());
   hash.add(mesh.triangles.data(), mesh.triangles.size());
+  // Lines beside hiding faces are seen through more of them.
+  const auto hiding =
+      static_cast<uint64_t>(std::count(mesh.hides_only.begin(), mesh.hides_only.end(), true));
+  hash.add(&hiding, 1);
   for (const EdgeLine& line : model.lines) {
     hash.add(line.start.data(), 3);
     hash.add(line.end.data(), 3);

@@ -84,6 +84,24 @@ TEST(CoveredEdges, RoomsBackToBackKeepTheirEdges) {
   EXPECT_NEAR(edgeLength(soup), 4 * (5 + 4 + 3) + 4 * (4 + 4 + 3) - wall, 1e-3);
 }
 
+/// Surfaces of added things stand in both rooms. A ray from the wall meets their backs, as inside a
+/// body.
+TEST(CoveredEdges, HidingFacesBuryNoEdge) {
+  MeshSoup soup;
+  for (const float x : {0.f, 5.f}) {
+    const size_t first = soup.triangles.size();
+    test::addBox(&soup, {x, 0, 0}, {x + 5, 4, 3});
+    for (size_t i = first; i < soup.triangles.size(); ++i)
+      std::swap(soup.triangles[i][0], soup.triangles[i][1]);
+  }
+  const double length = edgeLength(soup);
+  soup.hides_only.assign(soup.triangles.size(), false);
+  addRectangle(&soup, {4, 0, 0}, {0, 0, 3}, {0, 4, 0});  // its front looks away from the wall
+  addRectangle(&soup, {6, 0, 0}, {0, 4, 0}, {0, 0, 3});
+  soup.hides_only.resize(soup.triangles.size(), true);
+  EXPECT_NEAR(edgeLength(soup), length, 1e-3);
+}
+
 TEST(CoveredEdges, ExplicitLinesStay) {
   MeshSoup soup;
   addRectangle(&soup, {0, 0, 0}, {3, 0, 0}, {0, 0, 3});

@@ -26,6 +26,40 @@ TEST(Visibility, OfABoxNineEdgesAreSeenFromACorner) {
   EXPECT_EQ(visibility.exact({0.5, 0.5, 0.5}).group_count, 12u);  // from the inside
 }
 
+/// A board of 5 cm stands beside the surface of a thing that was added. The board hides its far
+/// edges. The thing does not hide its own line, which depth has placed 5 cm behind the surface.
+TEST(Visibility, OnlyLinesAreSeenThroughTheNoiseOfAddedSurfaces) {
+  MeshSoup soup;
+  test::addBox(&soup, {0, 0, 0}, {0.05f, 1, 1});
+  soup.hides_only.assign(soup.triangles.size(), false);
+  const auto first = static_cast<uint32_t>(soup.vertices.size());
+  for (const float y : {2.f, 3.f})
+    for (const float z : {0.f, 1.f}) soup.vertices.emplace_back(0, y, z);
+  soup.triangles.push_back({first, first + 1, first + 2});
+  soup.triangles.push_back({first + 1, first + 2, first + 3});
+  soup.triangle_material.resize(soup.triangles.size(), 0);
+  soup.hides_only.resize(soup.triangles.size(), true);
+  for (const float x : {0.05f, 0.15f}) {  // the second one is behind the thing
+    const auto start = static_cast<uint32_t>(soup.vertices.size());
+    soup.vertices.emplace_back(x, 2.3f, 0.5f);
+    soup.vertices.emplace_back(x, 2.7f, 0.5f);
+    soup.lines.push_back({start, start + 1});
+  }
+  MeshModel mesh = weldMesh(soup, 1e-6, "board and thing");
+  const EdgeModel edges = buildEdgeModel(&mesh, {});
+  const Visibility visibility(mesh, edges, {});
+  const VisibleSet seen = visibility.exact({-3, 0.5, 0.5});
+  size_t lines = 0;
+  for (const VisibleSet::Segment& segment : seen.segments) {
+    const EdgeLine& line = seen.line(segment);
+    const bool is_explicit = line.kind == EdgeKind::kLine;
+    lines += is_explicit ? 1 : 0;
+    EXPECT_NEAR(line.start.x(), is_explicit ? 0.05 : 0, 1e-6);
+    EXPECT_NEAR(line.end.x(), is_explicit ? 0.05 : 0, 1e-6);
+  }
+  EXPECT_GT(lines, 0u);
+}
+
 using SampleKeys = std::set<std::pair<uint32_t, uint32_t>>;  // segment, sample
 
 SampleKeys keysOf(const VisibleSet& set) {

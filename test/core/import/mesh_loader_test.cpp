@@ -157,6 +157,61 @@ TEST(MeshLoader, AMirroredAxisIsTurnedBack) {
   EXPECT_LT((mesh.highest - Eigen::Vector3f(2, -2, 3)).norm(), 1e-6f);
 }
 
+/// The model is in millimetres and moved. What is added is in metres, where the model lies then.
+TEST(MeshLoader, AdditionsLieWhereTheModelLiesAfterItsTransform) {
+  MapParameters params;
+  params.scale = 0.001;
+  params.x = 5;
+  params.additions = writeFile("added.obj",
+                               "o thing_1_lines\nv 5 0 1\nv 6 0 1\nl 1 2\n"
+                               "o thing_1_hiding_faces\nv 5 1 0\nv 6 1 0\nv 5 1 1\nf 3 4 5\n") +
+                     ", " + writeFile("more.obj", "o markings\nv 5 0 2\nv 7 0 2\nl 1 2\n");
+  const std::string file =
+      writeFile("wall.obj", "o wall\nv 0 0 0\nv 1000 0 0\nv 0 0 1000\nf 1 2 3\n");
+  const MeshModel mesh = loadMesh(file, params);
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.hides_only, (std::vector<bool>{false, true}));
+  EXPECT_EQ(mesh.lines.size(), 2u);
+  EXPECT_LT((mesh.lowest - Eigen::Vector3f(5, 0, 0)).norm(), 1e-5f);
+  EXPECT_LT((mesh.highest - Eigen::Vector3f(7, 1, 2)).norm(), 1e-5f);
+  EXPECT_EQ(mesh.report.objects.count("thing_1_lines"), 1u);
+  EXPECT_EQ(mesh.report.objects.count("wall"), 1u);
+}
+
+TEST(MeshLoader, AdditionsAreExcludedByNameAndNeedNotBeIncluded) {
+  const std::string file = writeFile(
+      "rooms.obj", "o wall\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\no sofa\nv 0 1 0\nv 1 1 0\nl 4 5\n");
+  MapParameters params;
+  params.additions = writeFile("things.obj",
+                               "o thing_1\nv 0 2 1\nv 1 2 1\nl 1 2\n"
+                               "o thing_2\nv 0 3 1\nv 1 3 1\nl 3 4\n");
+  params.include = "wall";
+  EXPECT_EQ(loadMesh(file, params).lines.size(), 2u);
+  params.exclude = "thing_2";
+  EXPECT_EQ(loadMesh(file, params).lines.size(), 1u);
+  params.exclude = "thing_3";
+  EXPECT_NE(errorOf(file, params).find("'thing_3'"), std::string::npos);
+  params.additions = "/does/not/exist.obj";
+  EXPECT_NE(errorOf(file, params).find(params.additions), std::string::npos);
+}
+
+/// One far line must not move the origin of a map whose poses somebody has stored.
+TEST(MeshLoader, AdditionsDoNotMoveTheOrigin) {
+  const std::string file =
+      writeFile("far.obj", "v 500049 5400000 200\nv 500049 5400000 201\nl 1 2\n");
+  MapParameters params;
+  const MeshModel plain = loadMesh(file, params);
+  params.additions = writeFile("far_things.obj",
+                               "v 500059 5400000 200\nv 500069.1234 5400000 200\nv 500079 5400000 "
+                               "200\nl 1 2\nl 2 3\n");
+  const MeshModel mesh = loadMesh(file, params);
+  EXPECT_EQ(mesh.origin, plain.origin);
+  bool found = false;
+  for (const Eigen::Vector3f& v : mesh.vertices)
+    found = found || std::abs(v.x() + mesh.origin.x() - 500069.1234) < 1e-3;
+  EXPECT_TRUE(found);
+}
+
 /// Loads a file of test/data.
 MeshModel sample(const std::string& name) { return loadMesh(EDGE_MCL_TEST_DATA + name, {}); }
 

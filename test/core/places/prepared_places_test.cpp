@@ -31,6 +31,7 @@ class PreparedPlacesTest : public testing::Test {
             *buildingAxes(map_.edges())};
   }
   LocalizationMap map_{test::furnishedRooms(), parameters()};
+  double tolerance_ = map_.visibility().occlusionTolerance();
 };
 
 /// Every line along an axis that a camera sees near a place must be in the rows of the place: seen
@@ -111,7 +112,8 @@ class StoredPlaces : public PreparedPlacesTest {
 };
 
 TEST_F(StoredPlaces, ComeBackAsTheyWere) {
-  const uint64_t hash = PreparedPlaces::hashOf(map_.mesh(), map_.edges(), map_.params().search);
+  const uint64_t hash =
+      PreparedPlaces::hashOf(map_.mesh(), map_.edges(), map_.params().search, tolerance_);
   int made = 0;
   const auto stored = [&] {
     return storedPreparedPlaces(directory_ + "/rooms.obj", hash, [&] { return ++made, make(); });
@@ -131,7 +133,7 @@ TEST_F(StoredPlaces, ComeBackAsTheyWere) {
 
 TEST_F(StoredPlaces, OtherModelsAndOptionsNeedOthers) {
   const auto hashOf = [&](const SearchParameters& p) {
-    return PreparedPlaces::hashOf(map_.mesh(), map_.edges(), p);
+    return PreparedPlaces::hashOf(map_.mesh(), map_.edges(), p, tolerance_);
   };
   SearchParameters p = map_.params().search;
   const uint64_t hash = hashOf(p);
@@ -139,7 +141,7 @@ TEST_F(StoredPlaces, OtherModelsAndOptionsNeedOthers) {
   EXPECT_NE(hashOf(p), hash);
   MeshModel mesh = test::furnishedRooms();
   mesh.vertices[0].x() -= 0.01f;
-  EXPECT_NE(PreparedPlaces::hashOf(mesh, map_.edges(), map_.params().search), hash);
+  EXPECT_NE(PreparedPlaces::hashOf(mesh, map_.edges(), map_.params().search, tolerance_), hash);
 }
 
 TEST_F(StoredPlaces, BrokenFilesAreErrors) {
