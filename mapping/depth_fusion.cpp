@@ -10,6 +10,7 @@
 #endif
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "edge_mcl/core/base/error.h"
 #include "edge_mcl/mapping/face_simplification.h"
@@ -23,10 +24,36 @@ struct DepthFusion::Impl {
       : options(o),
         intrinsic(c.width, c.height, c.fx, c.fy, c.cx, c.cy),
         volume(o.voxel, 3 * o.voxel, open3d::pipelines::integration::TSDFVolumeColorType::NoColor) {
+    if (c.distortion != DistortionModel::kNone) findOrigins(c);
   }
+
+  /// Open3D knows no distortion. So it gets the depth of a camera that has none.
+  cv::Mat straightened(const cv::Mat& depth) const {
+    if (origins_x.empty() || depth.size() != origins_x.size()) return depth;
+    cv::Mat result;
+    // Between two surfaces there is none, so depths must not be mixed.
+    cv::remap(depth, result, origins_x, origins_y, cv::INTER_NEAREST, cv::BORDER_CONSTANT);
+    return result;
+  }
+
   FusionOptions options;
   open3d::camera::PinholeCameraIntrinsic intrinsic;
   open3d::pipelines::integration::ScalableTSDFVolume volume;
+
+ private:
+  void findOrigins(const CameraModel& c) {
+    origins_x = cv::Mat(c.height, c.width, CV_32F, cv::Scalar(-1));
+    origins_y = origins_x.clone();
+    for (int y = 0; y < c.height; ++y)
+      for (int x = 0; x < c.width; ++x) {
+        Eigen::Vector2d pixel;
+        if (!c.project({(x - c.cx) / c.fx, (y - c.cy) / c.fy, 1}, &pixel)) continue;
+        origins_x.at<float>(y, x) = static_cast<float>(pixel.x());
+        origins_y.at<float>(y, x) = static_cast<float>(pixel.y());
+      }
+  }
+
+  cv::Mat origins_x, origins_y;  // pixel of the distorted image for every pixel without distortion
 };
 
 bool DepthFusion::isAvailable() { return true; }
@@ -36,10 +63,11 @@ DepthFusion::DepthFusion(const CameraModel& camera, const FusionOptions& options
 
 void DepthFusion::add(const MappingImage& image) {
   open3d::geometry::RGBDImage rgbd;
-  rgbd.depth_.Prepare(image.depth.cols, image.depth.rows, 1, sizeof(float));
-  for (int y = 0; y < image.depth.rows; ++y)
-    for (int x = 0; x < image.depth.cols; ++x) {
-      const float z = image.depth.at<float>(y, x);
+  const cv::Mat depth = impl_->straightened(image.depth);
+  rgbd.depth_.Prepare(depth.cols, depth.rows, 1, sizeof(float));
+  for (int y = 0; y < depth.rows; ++y)
+    for (int x = 0; x < depth.cols; ++x) {
+      const float z = depth.at<float>(y, x);
       *rgbd.depth_.PointerAt<float>(x, y) =
           std::isfinite(z) && static_cast<double>(z) < impl_->options.max_depth ? z : 0;
     }

@@ -21,7 +21,7 @@ class DepthFusion {
  public:
   /// Whether this build has Open3D.
   static bool isAvailable();
-  /// @param camera of the depth images, without distortion.
+  /// @param camera of the depth images.
   /// @throws Error without Open3D.
   DepthFusion(const CameraModel& camera, const FusionOptions& options);
   ~DepthFusion();

@@ -23,7 +23,8 @@ cv::Mat metresOf(const DepthImage& depth) {
 bool isSameCamera(const CameraModel& a, const CameraModel& b, const Pose& between) {
   return a.width == b.width && a.height == b.height && std::abs(a.fx - b.fx) < 0.5 &&
          std::abs(a.fy - b.fy) < 0.5 && std::abs(a.cx - b.cx) < 0.5 &&
-         std::abs(a.cy - b.cy) < 0.5 && between.translation().norm() < 1e-3 &&
+         std::abs(a.cy - b.cy) < 0.5 && a.distortion == b.distortion &&
+         a.coefficients == b.coefficients && between.translation().norm() < 1e-3 &&
          rotationAngle(between, Pose::Identity()) < 1e-3;
 }
 

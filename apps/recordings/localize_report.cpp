@@ -42,6 +42,7 @@ nlohmann::json jsonOf(const LiveResult& r, const std::string& time, double readi
                    {"evidence_per_line", u.evidence_per_line},
                    {"masked_share", r.masked_share},
                    {"foreign_share", r.foreign_share},
+                   {"foreign_agreement", r.foreign_agreement},
                    {"depth_points", u.depth_points},
                    {"depth_agreement", u.depth_agreement},
                    {"depth_bias", u.depth_bias},

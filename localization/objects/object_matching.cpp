@@ -143,6 +143,16 @@ void ObjectFollower::giveNumbers(double time) {
       continue;
     }
     Track& before = tracks_[known];
+    // The same thing, seen from another side.
+    const bool stood = !before.has_moved && !before.is_gone && !before.object.is_moving &&
+                       !track.has_moved && !track.object.is_moving &&
+                       distanceOf(track.object.box, before.object.box) <=
+                           kTouch + (*track.size)[1];  // its depth, which may be hidden
+    if (stood) {
+      track.object.still_since = before.object.still_since;
+      track.object.box.extend(before.object.box);
+      track.places.insert(before.places.begin(), before.places.end());
+    }
     track.object.number = before.object.number;
     track.object.first_seen = before.object.first_seen;
     track.size = track.size->cwiseMax(*before.size);

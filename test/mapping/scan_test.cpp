@@ -146,5 +146,36 @@ TEST(DepthFusion, FacesLieOnTheSurface) {
   for (const Eigen::Vector3f& v : faces.vertices) EXPECT_NEAR(v.z(), 3, 0.005);
 }
 
+/// A camera with barrel distortion looks at a floor that it sees at an angle. Without a correction
+/// the fused faces are off by up to 17 cm in the corners of the image.
+TEST(DepthFusion, TheDistortionOfTheCameraIsTakenOut) {
+  if (!DepthFusion::isAvailable()) GTEST_SKIP() << "this build has no Open3D";
+  CameraModel camera;
+  camera.width = 320;
+  camera.height = 240;
+  camera.fx = camera.fy = 260;
+  camera.cx = 159.5;
+  camera.cy = 119.5;
+  camera.distortion = DistortionModel::kPlumbBob;
+  camera.coefficients = {-0.2, 0, 0, 0, 0};
+  camera.validate("test");
+  const CameraRays rays(camera);
+  MappingImage image;
+  image.depth = cv::Mat(240, 320, CV_32F, cv::Scalar(0));
+  // The plane is z = 2 + 0.8 x in the axes of the camera.
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x) image.depth.at<float>(y, x) = 2 / (1 - 0.8f * rays.at(x, y).x());
+  DepthFusion fusion(camera, {});
+  for (int i = 0; i < 3; ++i) fusion.add(image);
+  const MeshSoup faces = fusion.faces();
+  ASSERT_GT(faces.triangles.size(), 100u);
+  double worst = 0;
+  for (const Eigen::Vector3f& v : faces.vertices)
+    worst = std::max(worst,
+                     std::abs(2 + 0.8 * static_cast<double>(v.x()) - static_cast<double>(v.z())) /
+                         std::hypot(1, 0.8));
+  EXPECT_LT(worst, 0.03);  // a voxel and a half; nearest pixels are off by 1 cm
+}
+
 }  // namespace
 }  // namespace edge_mcl

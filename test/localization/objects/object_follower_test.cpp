@@ -218,6 +218,19 @@ TEST(ObjectFollower, AThingThatStandsStillKeepsItsPlaceOutOfView) {
   EXPECT_TRUE(found[1].is_in_view);
 }
 
+/// No place of its back was seen from the front. It is the same thing, and it has not moved.
+TEST(ObjectFollower, AThingThatIsSeenFromBehindHasStoodSinceItWasSeenFromTheFront) {
+  Room room;
+  const std::vector<Thing> cupboard{thing(4, 0, 0.5)};
+  room.watch(0, 5, [&](double) { return cupboard; });
+  for (double t = 5; t < 7; t += 1 / Room::kRate) room.look(t, cupboard, {0, 0}, M_PI);
+  for (double t = 7; t < 10; t += 1 / Room::kRate) room.look(t, cupboard, {7.5, 0.2}, M_PI);
+  const ObjectState found = room.only();
+  EXPECT_EQ(found.number, 1);
+  EXPECT_LT(found.still_since, 0.5);
+  EXPECT_NEAR(found.box.sizes().x(), 0.5, 1.5 * kVoxel);
+}
+
 /// Somebody sits on a chair at first. They are one thing, until one of them gets up and goes.
 TEST(ObjectFollower, WhoGetsUpFromAChairIsAnObjectOfTheirOwn) {
   Room room;
