@@ -34,7 +34,7 @@ std::optional<UpReading> tiltOf(const PoseGaussian& lost) {
 }  // namespace
 
 GlobalLocalizer::GlobalLocalizer(const LocalizationMap& map, uint64_t seed)
-    : map_(map), search_(map), random_(seed) {}
+    : map_(map), search_(map), other_sides_(map), random_(seed) {}
 
 void GlobalLocalizer::begin() {
   keyframes_.clear();
@@ -259,6 +259,8 @@ std::vector<Pose> GlobalLocalizer::whereItLooksAlike() {
     h.repeated = true;
     const std::vector<Pose> alike = search_.alike(keyframes_.back().seen, h.pose);
     found.insert(found.end(), alike.begin(), alike.end());
+    const std::vector<Pose> turned = other_sides_.of(h.pose);
+    found.insert(found.end(), turned.begin(), turned.end());
   }
   return found;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "edge_mcl/localization/search/other_sides.h"
 #include "edge_mcl/localization/search/pose_finder.h"
 #include "edge_mcl/localization/search/pose_search.h"
 
@@ -117,6 +118,7 @@ class GlobalLocalizer : public PoseFinder {
 
   const LocalizationMap& map_;
   PoseSearch search_;
+  OtherSides other_sides_;
   RandomSource random_;
   std::deque<Keyframe> keyframes_;
   int keyframe_count_ = 0, look_count_ = 0;

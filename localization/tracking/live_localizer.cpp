@@ -68,9 +68,7 @@ void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
   mask_lifter_.forget();  // it knows the lines by number
   depth_masker_.forget();
   objects_.forget();
-  distortion_checks_.clear();
-  focal_checks_.clear();  // a wrong scale of the model looks like a wrong focal length
-  focal_error_ = 0;
+  calibration_checks_.forget();
   filter_.setFocalError(0);
   tracked_.reset();
   map_ = std::move(map);

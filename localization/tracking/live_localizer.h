@@ -14,8 +14,7 @@
 #include "edge_mcl/localization/masks/mask_lifter.h"
 #include "edge_mcl/localization/objects/object_follower.h"
 #include "edge_mcl/localization/search/pose_finder.h"
-#include "edge_mcl/localization/tracking/distortion_check.h"
-#include "edge_mcl/localization/tracking/focal_check.h"
+#include "edge_mcl/localization/tracking/calibration_checks.h"
 #include "edge_mcl/localization/tracking/localizer_state.h"
 #include "edge_mcl/localization/tracking/look_alike_watch.h"
 #include "edge_mcl/localization/tracking/odometry_track.h"
@@ -157,6 +156,9 @@ class LiveLocalizer {
   /// Whether only the search uses the images: the pose is lost and the particles are spread wide.
   bool isLeftToSearch(const LiveInput& input) const;
   void search(const LiveInput& input, const std::vector<CameraView>& views, LiveResult* result);
+  /// Whether several images in a row have confirmed the filter at the pose that the search has
+  /// found.
+  bool isRepeated(const SearchReport& report) const;
   /// Whether search and filter have found the same pose. The search is then believed before it has
   /// converged.
   bool agreesWith(const SearchReport& report) const;
@@ -201,9 +203,7 @@ class LiveLocalizer {
   // Of the present moment: numbers of depth images, and what they show in front of the model.
   std::vector<std::pair<size_t, ForeignPoints>> foreign_;
   ObjectFollower objects_;
-  std::map<size_t, DistortionCheck> distortion_checks_;  // by number of the camera
-  std::map<size_t, FocalCheck> focal_checks_;            // by number of the camera
-  double focal_error_ = 0;                               // the largest that they have found
+  CalibrationChecks calibration_checks_;
   std::optional<PoseGaussian> initial_;
   std::optional<PoseGaussian> given_;  // last given pose; start after the clock jumped back
   StateMachine states_;

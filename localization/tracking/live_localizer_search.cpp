@@ -71,6 +71,7 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
       finder_->isPrepared())
     beginSearch(false);
   if (!report.keyframe || !(report.converged || agreesWith(report))) return;
+  const bool repeats = isRepeated(report);
   filter_.initialize(report.estimate);
   if (report.velocity) filter_.setVelocity(*report.velocity);
   begin();
@@ -81,17 +82,26 @@ void LiveLocalizer::search(const LiveInput& input, const std::vector<CameraView>
   result->relocalized = true;
   // The search has just explained these images. The filter uses them for its own covariance.
   useImages(views, result);
+  // Without odometry only the search itself ties the pose to earlier images. Few lines fit in many
+  // places, such as the other side of a cupboard. But a proof must not begin anew for ever.
+  constexpr double kFewLines = 8;
+  const double lines = result->report.visible_lines;
+  if (is_blind_ && lines > 0 && lines < kFewLines && !repeats) proof_.require(true);
   if (addToProof(input.time, result)) judge(input.time, true, true);
+}
+
+bool LiveLocalizer::isRepeated(const SearchReport& report) const {
+  constexpr int kImages = 3;
+  return isInitialized() && proof_.confirmations() >= kImages &&
+         isNear(report.estimate.mean, filter_.estimate().mean, kSamePose);
 }
 
 bool LiveLocalizer::agreesWith(const SearchReport& report) const {
   // Search and filter begin at different poses and reach their results in different ways. It is not
   // to be expected that both end at the same wrong pose, which explains several keyframes as no
   // other hypothesis does.
-  constexpr int kKeyframes = 3, kImages = 3;
-  return report.convincing && report.keyframes >= kKeyframes && isInitialized() &&
-         proof_.confirmations() >= kImages &&
-         isNear(report.estimate.mean, filter_.estimate().mean, kSamePose);
+  constexpr int kKeyframes = 3;
+  return report.convincing && report.keyframes >= kKeyframes && isRepeated(report);
 }
 
 }  // namespace edge_mcl

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -17,21 +16,6 @@ using Clock = std::chrono::steady_clock;
 
 double millisecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
-
-constexpr char kNoDistortionInImages[] =
-    ": images fit the model better without the distortion of their calibration; if they are "
-    "rectified, give a calibration without distortion (a bag, or the node: rectified=true)";
-
-/// @param factor with which the images fit better
-std::string otherFocalLength(const CameraModel& camera, double factor) {
-  char text[256];
-  std::snprintf(text, sizeof text,
-                ": images fit the model better with a focal length of about %.0f pixels than with "
-                "%.0f as calibrated; positions are off by about %.0f %% of the distance to what is "
-                "seen; calibrate the camera at this resolution, or check the scale of the model",
-                factor * camera.fx, camera.fx, 100 * std::abs(factor - 1));
-  return text;
 }
 
 /// @param mask empty: none
@@ -72,17 +56,12 @@ void LiveLocalizer::checkCalibration(const LiveInput& input, LiveResult* result)
     const LiveInput::CameraImage& view = input.images[number];
     const AskedImage asked{*map_, view.image, view.mask, view.T_base_camera,
                            filter_.estimate().mean};
-    if (distortion_checks_[number].look(asked, view.camera, input.time)) {
-      result->problem = view.origin + kNoDistortionInImages;
-    } else if (const auto factor = focal_checks_[number].look(
-                   asked, view.camera, result->report.focal_error, input.time)) {
-      // The hint does not tell which camera it is.
-      result->problem = view.origin + otherFocalLength(view.camera, *factor);
-      if (std::abs(*factor - 1) > std::abs(focal_error_)) focal_error_ = *factor - 1;
-      filter_.setFocalError(focal_error_);
-    }
-    result->is_told_once = !result->problem.empty();
-    if (result->is_told_once) return;
+    const std::string fault =
+        calibration_checks_.look(asked, view.camera, result->report.focal_error, input.time);
+    if (fault.empty()) continue;
+    result->problem = view.origin + ": " + fault;
+    result->is_told_once = true;
+    return filter_.setFocalError(calibration_checks_.focalError());
   }
 }
 
@@ -160,6 +139,8 @@ void LiveLocalizer::prepareImages(const LiveInput& input, LiveResult* result,
   result->foreign_ms = millisecondsSince(begin);
   for (size_t number = 0; number < input.images.size(); ++number) {
     const LiveInput::CameraImage& view = input.images[number];
+    if (calibration_checks_.note(view.camera, input.time))
+      filter_.setFocalError(calibration_checks_.focalError());
     const cv::Mat mask = withForeign(number, view, foreign, result);
     const double share = maskedShare(mask);
     result->masked_share = std::max(result->masked_share, share);
