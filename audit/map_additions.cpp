@@ -18,6 +18,7 @@ namespace edge_mcl {
 namespace {
 
 constexpr char kThing[] = "thing_";
+constexpr char kFirstLine[] = "# what the building has and the model lacks, by edge-mcl audit";
 
 using Line = std::array<Eigen::Vector3d, 2>;
 
@@ -144,7 +145,7 @@ int highestThing(const std::map<std::string, size_t>& objects) {
 void writeAdditions(const std::string& file, const MapAdditions& additions,
                     const Eigen::Vector3d& origin) {
   std::ostringstream out;
-  out << "# what the building has and the model lacks, by edge-mcl audit\n# metres\n";
+  out << kFirstLine << "\n# metres\n";
   size_t vertices = 0;
   for (const AddedThing& added : additions.things) {
     const std::string number = std::to_string(added.thing.number);
@@ -163,6 +164,12 @@ void writeAdditions(const std::string& file, const MapAdditions& additions,
   stream << out.str();
   stream.flush();
   if (!stream) throw InputError(file + ": cannot be written");
+}
+
+bool isAdditionsFile(const std::string& file) {
+  std::ifstream in(file);
+  std::string line;
+  return std::getline(in, line) && line == kFirstLine;
 }
 
 }  // namespace edge_mcl

@@ -55,5 +55,7 @@ int highestThing(const std::map<std::string, size_t>& objects);
 /// @throws InputError when the file cannot be written.
 void writeAdditions(const std::string& file, const MapAdditions& additions,
                     const Eigen::Vector3d& origin);
+/// Whether writeAdditions() has written a file.
+bool isAdditionsFile(const std::string& file);
 
 }  // namespace edge_mcl

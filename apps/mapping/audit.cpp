@@ -250,14 +250,21 @@ void requireDepth(const AuditOptions& o, const Auditor& auditor) {
                      "nothing");
 }
 
-/// @throws InputError when --add would overwrite what is audited.
-void requireOtherFile(const AuditOptions& o, const OpenedRecording& opened) {
+/// @throws InputError when --add would overwrite what somebody else has written, or what is read.
+void requireOwnFile(const AuditOptions& o, const OpenedRecording& opened) {
   std::error_code ignored;
-  std::vector<std::string> read = namesIn(opened.map->params().map.additions);
-  read.push_back(opened.model_file);
-  for (const std::string& file : read)
+  for (const std::string& file : namesIn(opened.map->params().map.additions))
     if (std::filesystem::equivalent(file, o.add, ignored))
       throw InputError(o.add + ": the audit reads this file, so --add cannot write it");
+  if (std::filesystem::is_regular_file(o.add, ignored) &&
+      std::filesystem::file_size(o.add, ignored) > 0 && !isAdditionsFile(o.add))
+    throw InputError(o.add + ": exists and was not written by --add; it is not overwritten");
+  const auto full = [](const std::string& file) {
+    return std::filesystem::absolute(file).lexically_normal();
+  };
+  for (const std::string& file : {o.out, o.obj, o.picture})
+    if (!file.empty() && full(file) == full(o.add))
+      throw InputError(o.add + ": is the file of another result as well");
 }
 
 int run(const AuditOptions& o) {
@@ -269,7 +276,7 @@ int run(const AuditOptions& o) {
   if (!o.add.empty() && !opened.map->visibility().scene())
     throw InputError(opened.model_file +
                      ": the model has no faces, so --add cannot tell what it lacks");
-  requireOtherFile(o, opened);
+  if (!o.add.empty()) requireOwnFile(o, opened);
   Auditor auditor(opened.map, !o.add.empty());
   if (o.poses.empty())
     addFoundPoses(&opened, &auditor);
@@ -298,11 +305,10 @@ int run(const AuditOptions& o) {
     if (!o.add_markings) additions.markings.clear();
     const Eigen::Vector3d& origin = opened.map->mesh().origin;
     // An empty file is no model, and one of an earlier audit would be taken for the result.
-    std::error_code ignored;
     if (!additions.things.empty() || !additions.markings.empty())
       writeAdditions(o.add, additions, origin);
-    else if (std::filesystem::is_regular_file(o.add, ignored))
-      std::filesystem::remove(o.add, ignored);
+    else if (isAdditionsFile(o.add))
+      std::filesystem::remove(o.add);
     addOffered(additions, origin, &summary);
     summary["stood_too_short"] = auditor.things().countBelow(o.add_after);
   }

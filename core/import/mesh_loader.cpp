@@ -18,6 +18,12 @@ namespace edge_mcl {
 
 namespace {
 
+/// A file of map.additions.
+struct Addition {
+  std::string file;
+  RawModel model;
+};
+
 /// Patterns or files that are separated by commas.
 std::vector<std::string> patternsOf(const std::string& text) {
   std::vector<std::string> list;
@@ -72,7 +78,7 @@ void keepObjects(const std::vector<bool>& keep, RawModel* model) {
 /// only: who adds a file wants what it holds.
 /// @throws InputError when a pattern matches no object, which is a typing error.
 void chooseObjects(const MapParameters& params, const std::string& file, RawModel* model,
-                   std::vector<RawModel>* additions) {
+                   std::vector<Addition>* additions) {
   const std::vector<std::string> include = patternsOf(params.include);
   const std::vector<std::string> exclude = patternsOf(params.exclude);
   if (include.empty() && exclude.empty()) return;
@@ -89,7 +95,7 @@ void chooseObjects(const MapParameters& params, const std::string& file, RawMode
   for (const std::string& pattern : exclude)
     if (!holds(*model, pattern) &&
         std::none_of(additions->begin(), additions->end(),
-                     [&](const RawModel& addition) { return holds(addition, pattern); }))
+                     [&](const Addition& addition) { return holds(addition.model, pattern); }))
       fail(pattern);
   std::vector<bool> keep;
   for (const std::string& name : model->objects)
@@ -97,10 +103,11 @@ void chooseObjects(const MapParameters& params, const std::string& file, RawMode
   keepObjects(keep, model);
   if (model->triangles.empty() && model->lines.empty())
     throw InputError(file + ": map.include and map.exclude leave nothing of the model");
-  for (RawModel& addition : *additions) {
+  for (Addition& addition : *additions) {
     keep.clear();
-    for (const std::string& name : addition.objects) keep.push_back(!matchesOne(name, exclude));
-    keepObjects(keep, &addition);
+    for (const std::string& name : addition.model.objects)
+      keep.push_back(!matchesOne(name, exclude));
+    keepObjects(keep, &addition.model);
   }
 }
 
@@ -257,31 +264,47 @@ RawModel readFile(const std::string& file, const MapParameters& params) {
 }
 
 /// The files of map.additions, in metres.
-std::vector<RawModel> readAdditions(const MapParameters& params,
+std::vector<Addition> readAdditions(const MapParameters& params,
                                     std::vector<std::string>* warnings) {
-  std::vector<RawModel> additions;
+  std::vector<Addition> additions;
   for (const std::string& file : patternsOf(params.additions)) {
     RawModel raw = readFile(file, params);
     const double unit = raw.in_metres || raw.unit <= 0 ? 1 : raw.unit;
-    const std::string coarse = coarseness(raw, unit, file);
-    if (!coarse.empty()) warnings->push_back(file + ": " + coarse);
-    if (endsTooEarly(file))
-      warnings->push_back(file + ": the file ends too early. Was it cut off?");
+    const auto warn = [&](const std::string& text) {
+      if (!text.empty()) warnings->emplace_back(file).append(": ").append(text);
+    };
+    warn(coarseness(raw, unit, file));
+    if (endsTooEarly(file)) warn("the file ends too early. Was it cut off?");
+    if (raw.triangles.empty() && raw.lines.empty()) warn("there is nothing to add in the file");
     for (Eigen::Vector3d& v : raw.vertices) v *= unit;
-    additions.push_back(std::move(raw));
+    additions.push_back({file, std::move(raw)});
   }
   return additions;
 }
 
-/// @param origin of the map frame
-/// @throws InputError when an addition lies so far from the model that it belongs to another one.
-void requireNear(const RawModel& addition, const Eigen::Vector3d& origin) {
-  constexpr double kFar = 20000;  // m, larger than any site
-  for (const Eigen::Vector3d& v : addition.vertices)
-    if (!((v - origin).cwiseAbs().maxCoeff() < kFar))
-      throw InputError("map.additions: " + metresText(v) +
-                       " is more than 20 km from the model; additions have its coordinates after "
-                       "scale and transform, in metres");
+/// @param model box around the model in the map frame, m. @param origin of the map frame
+/// @throws InputError when an addition lies so far from the model that it has another unit or
+/// belongs to another one.
+void requireNear(const Addition& addition, const Eigen::AlignedBox3f& model,
+                 const Eigen::Vector3d& origin) {
+  // A yard is larger than its building, and millimetres are larger than metres by 1000.
+  constexpr double kFar = 100, kTimes = 10;  // m, and sizes of the model
+  const double most = std::max(kFar, kTimes * static_cast<double>(model.diagonal().norm()));
+  for (const Eigen::Vector3d& v : addition.model.vertices) {
+    if (!v.allFinite()) throw InputError(addition.file + ": a coordinate is not a number");
+    const Eigen::Vector3d at = v - origin;
+    if (model.cast<double>().exteriorDistance(at) > most)
+      throw InputError(addition.file + ": " + metresText(v) +
+                       " is far from the model. What map.additions adds must have the coordinates "
+                       "of the model after scale and transform, in metres");
+  }
+}
+
+Eigen::AlignedBox3f boxOf(const MeshSoup& soup) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& v : soup.vertices)
+    if (v.allFinite()) box.extend(v);
+  return box;
 }
 
 }  // namespace
@@ -289,7 +312,7 @@ void requireNear(const RawModel& addition, const Eigen::Vector3d& origin) {
 MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   RawModel raw = readFile(file, params);
   std::vector<std::string> of_additions;
-  std::vector<RawModel> additions = readAdditions(params, &of_additions);
+  std::vector<Addition> additions = readAdditions(params, &of_additions);
   chooseObjects(params, file, &raw, &additions);
   std::map<std::string, size_t> objects;
   const auto count = [&](const RawModel& part) {
@@ -297,7 +320,7 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
     for (const uint32_t i : part.line_object) ++objects[part.objects[i]];
   };
   count(raw);
-  std::for_each(additions.begin(), additions.end(), count);
+  for (const Addition& addition : additions) count(addition.model);
   dropUnusedVertices(&raw);
   // Metres per unit of the vertices. map.scale is metres per unit of the file.
   const double file_unit = raw.unit > 0 ? raw.unit : 1;
@@ -309,11 +332,13 @@ MeshModel loadMesh(const std::string& file, const MapParameters& params) {
   const size_t empty_faces = raw.empty_faces;
   Eigen::Vector3d origin;
   MeshSoup soup = soupOf(std::move(raw), mapTransform(params, scale), params, &origin);
-  for (RawModel& addition : additions) {
-    if (addition.triangles.empty() && addition.lines.empty()) continue;  // all are excluded
-    dropUnusedVertices(&addition);
-    requireNear(addition, origin);
-    append(std::move(addition), origin, &soup);
+  const Eigen::AlignedBox3f box = boxOf(soup);
+  for (Addition& addition : additions) {
+    RawModel& added = addition.model;
+    if (added.triangles.empty() && added.lines.empty()) continue;  // e.g. all are excluded
+    dropUnusedVertices(&added);
+    requireNear(addition, box, origin);
+    append(std::move(added), origin, &soup);
   }
   const double tolerance = params.weld_tolerance > 0 ? params.weld_tolerance : weldTolerance(soup);
   MeshModel mesh = weldMesh(std::move(soup), tolerance, file);

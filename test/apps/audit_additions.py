@@ -65,6 +65,14 @@ def main():
         r = audit(c, flight, '--add', added, '--set', 'map.additions=' + added)
         check(r.returncode == INPUT and 'reads this file' in r.stderr and os.path.exists(added), 'overwritten: ' + r.stderr)
 
+        precious = os.path.join(folder, 'notes.txt')
+        write(precious, 'precious')
+        for options, words in ((('--add', precious), 'not overwritten'), (('--add', model), 'not overwritten'),
+                               (('--add', os.path.join(folder, 'x.obj'), '--obj', folder + '/./x.obj'), 'another result')):
+            r = audit(c, flight, *options)
+            check(r.returncode == INPUT and words in r.stderr, '%s: %s' % (options, r.stderr))
+        check(os.path.exists(precious), 'a file of somebody else was removed')
+
         # What the map has is not offered again.
         r = audit(c, flight, '--add', os.path.join(folder, 'more.obj'), '--add-after', '2', '--set', 'map.additions=' + added)
         check(r.returncode == OK and not json.loads(r.stdout)['offered'], 'offered again: ' + r.stdout + r.stderr)

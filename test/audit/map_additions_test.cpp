@@ -67,8 +67,10 @@ TEST_F(Additions, AThingWithoutLinesAndFacesIsLeftOut) {
 TEST_F(Additions, AMapTakesTheFile) {
   const std::string file = testing::TempDir() + "additions.obj";
   writeAdditions(file, additionsOf({thing_}, rows_, fused_, map_), map_.mesh().origin);
+  EXPECT_TRUE(isAdditionsFile(file));
   const std::string model = testing::TempDir() + "room.obj";
   std::ofstream(model) << "o floor\nv 0 0 0\nv 8 0 0\nv 0 5 0\nf 1 2 3\n";
+  EXPECT_FALSE(isAdditionsFile(model));
   MapParameters params;
   params.additions = file;
   MeshModel mesh = loadMesh(model, params);

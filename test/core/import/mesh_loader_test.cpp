@@ -195,6 +195,17 @@ TEST(MeshLoader, AdditionsAreExcludedByNameAndNeedNotBeIncluded) {
   EXPECT_NE(errorOf(file, params).find(params.additions), std::string::npos);
 }
 
+TEST(MeshLoader, AnAdditionThatDoesNotBelongToTheModelIsNamed) {
+  const std::string file = writeFile("hut.obj", "v 0 0 0\nv 4 0 0\nv 0 0 3\nf 1 2 3\n");
+  MapParameters params;
+  params.additions = writeFile("millimetres.obj", "v 0 0 0\nv 2600 0 0\nl 1 2\n");
+  EXPECT_NE(errorOf(file, params).find("millimetres.obj"), std::string::npos);
+  params.additions = writeFile("nan.obj", "v 0 0 0\nv nan 0 0\nl 1 2\n");
+  EXPECT_NE(errorOf(file, params).find("nan.obj"), std::string::npos);
+  params.additions = writeFile("yard.obj", "v 0 0 0\nv 60 0 0\nl 1 2\n");
+  EXPECT_EQ(loadMesh(file, params).lines.size(), 1u);
+}
+
 /// One far line must not move the origin of a map whose poses somebody has stored.
 TEST(MeshLoader, AdditionsDoNotMoveTheOrigin) {
   const std::string file =

@@ -222,7 +222,7 @@ TEST(ObjectFollower, AThingThatStandsStillKeepsItsPlaceOutOfView) {
 TEST(ObjectFollower, AThingThatIsSeenFromBehindHasStoodSinceItWasSeenFromTheFront) {
   Room room;
   const std::vector<Thing> cupboard{thing(4, 0, 0.5)};
-  room.watch(0, 5, [&](double) { return cupboard; });
+  room.watch(0, 5, [&](double) { return std::vector<Thing>(cupboard); });
   for (double t = 5; t < 7; t += 1 / Room::kRate) room.look(t, cupboard, {0, 0}, M_PI);
   for (double t = 7; t < 10; t += 1 / Room::kRate) room.look(t, cupboard, {7.5, 0.2}, M_PI);
   const ObjectState found = room.only();
