@@ -43,6 +43,7 @@ std::vector<std::string> namesIn(const std::string& text) {
   std::istringstream in(text);
   for (std::string name; std::getline(in, name, ',');) {
     name.erase(0, name.find_first_not_of(' '));
+    name.erase(name.find_last_not_of(' ') + 1);
     if (!name.empty()) names.push_back(name);
   }
   return names;

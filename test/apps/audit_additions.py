@@ -62,7 +62,7 @@ def main():
         check(r.returncode == OK and json.loads(r.stdout)['position_error_median_m'] < 0.02,
               'localize with additions: ' + r.stdout + r.stderr)
 
-        r = audit(c, flight, '--add', added, '--set', 'map.additions=' + added)
+        r = audit(c, flight, '--add', added, '--set', 'map.additions= %s ' % added)
         check(r.returncode == INPUT and 'reads this file' in r.stderr and os.path.exists(added), 'overwritten: ' + r.stderr)
 
         precious = os.path.join(folder, 'notes.txt')
