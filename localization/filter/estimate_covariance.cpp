@@ -47,6 +47,7 @@ void EstimateCovariance::reset(const Matrix6& covariance) {
   by_calibration_.setZero();
   by_velocity_ = false;
   velocity_gain_.setZero();
+  of_modes_.setZero();
   forgetVelocity();
 }
 
@@ -71,6 +72,8 @@ void EstimateCovariance::widen(const Matrix6& covariance) {
 void EstimateCovariance::transform(const Matrix12& map) {
   noise_ = (map * noise_ * map.transpose()).eval();
   noise_ = (0.5 * (noise_ + noise_.transpose())).eval();  // rounding makes it uneven
+  const Matrix6 of_pose = map.topLeftCorner<6, 6>();
+  of_modes_ = (of_pose * of_modes_ * of_pose.transpose()).eval();
   for (auto& [key, shift] : by_piece_) shift = map * shift;
   by_calibration_ = map * by_calibration_;
 }
@@ -97,13 +100,16 @@ void EstimateCovariance::moveByVelocity(const Pose& increment, const Vector6& no
   by_velocity_ = true;
 }
 
-void EstimateCovariance::correct(const PoseObservation& seen, const Matrix6& prior) {
+void EstimateCovariance::correct(const PoseObservation& seen, const Matrix6& prior,
+                                 const Matrix6& of_modes) {
   const Matrix6 prior_information = inverseOf(prior + 1e-12 * Matrix6::Identity());
   refined_ = inverseOf(prior_information + seen.information + seen.depth_information);
   velocity_gain_.setZero();
+  // The pose may have jumped from one mode and to another.
+  const Matrix6 jump = of_modes_ + of_modes;
   if (by_velocity_)
-    velocity_gain_ =
-        noise_.bottomLeftCorner<6, 6>() * inverseOf(ofMotion() + 1e-12 * Matrix6::Identity());
+    velocity_gain_ = noise_.bottomLeftCorner<6, 6>() *
+                     inverseOf(ofMotion() + jump + 1e-12 * Matrix6::Identity());
   // The pose moves by refined_ * (...) - (1 - forget) * error, and the velocity by the gain times
   // this.
   Matrix12 forget = Matrix12::Identity();
@@ -113,7 +119,9 @@ void EstimateCovariance::correct(const PoseObservation& seen, const Matrix6& pri
   Eigen::Matrix<double, 12, 6> pulled;
   pulled << refined_, velocity_gain_ * refined_;
   transform(forget);
+  of_modes_ = of_modes;
   noise_ += pulled * seen.depth_information * pulled.transpose();
+  noise_.bottomRightCorner<6, 6>() += velocity_gain_ * jump * velocity_gain_.transpose();
   // A line that has been out of view for long has no effect any more: below a hundredth of a
   // millimetre per pixel.
   constexpr double kNegligible = 1e-5;
@@ -206,15 +214,26 @@ Matrix6 EstimateCovariance::ofLines() const {
   return sigma * sigma * of_lines;
 }
 
-Matrix6 EstimateCovariance::covariance() const {
+Eigen::Matrix3d EstimateCovariance::momentOfCalibration() const {
   // The known error counts as well, since it is not removed from the images.
   Eigen::Vector3d error = calibrationError();
   if (std::abs(known_focal_error_) > std::abs(error[0])) error[0] = known_focal_error_;
   const Eigen::Matrix3d information = calibration_information_ + priorOfCalibration();
-  const Eigen::Matrix3d moment =
-      information.ldlt().solve(Eigen::Matrix3d::Identity()) + error * error.transpose();
+  return information.ldlt().solve(Eigen::Matrix3d::Identity()) + error * error.transpose();
+}
+
+Matrix6 EstimateCovariance::covariance() const {
   const Eigen::Matrix<double, 6, 3> shift = by_calibration_.topRows<6>();
-  return ofMotion() + ofLines() + shift * moment * shift.transpose();
+  return ofMotion() + ofLines() + shift * momentOfCalibration() * shift.transpose();
+}
+
+Vector6 EstimateCovariance::velocitySigma() const {
+  Vector6 of_lines = Vector6::Zero();
+  for (const auto& [key, shift] : by_piece_) of_lines += shift.tail<6>().cwiseAbs2();
+  const double sigma = lineSigma();
+  const Eigen::Matrix<double, 6, 3> shift = by_calibration_.bottomRows<6>();
+  const Vector6 of_calibration = (shift * momentOfCalibration() * shift.transpose()).diagonal();
+  return (noise_.diagonal().tail<6>() + sigma * sigma * of_lines + of_calibration).cwiseSqrt();
 }
 
 }  // namespace edge_mcl

@@ -35,7 +35,7 @@ double timeOfVelocity(double dt);
 /// show the motion. So the velocity has errors of its own here, and an update moves the velocity v
 /// by the gain of a Kalman filter: v = v' + C^T M^-1 (x - x'). C is the covariance of the errors of
 /// pose and velocity, and M that of the pose by start and motion. Errors of lines are no motion, so
-/// they do not count in M.
+/// they do not count in M. Other poses that fit the images as well do count.
 ///
 /// How large the b_l are is learnt from the residuals of the lines. Errors of focal length and
 /// principal point are the same in every image, too. They are learnt from the part of the residuals
@@ -65,8 +65,11 @@ class EstimateCovariance {
   void moveByVelocity(const Pose& increment, const Vector6& noise_variance, double dt,
                       double elapsed, const Vector6& acceleration);
   /// Adds a correction by images.
-  /// @param prior covariance of the Gaussian that the refinement was pulled to.
-  void correct(const PoseObservation& seen, const Matrix6& prior);
+  /// @param prior covariance of the Gaussian that the refinement was pulled to. @param of_modes
+  /// second moment of other poses that fit the images as well. The pose may jump between them, and
+  /// a jump is no motion, so it tells as much less of the velocity.
+  void correct(const PoseObservation& seen, const Matrix6& prior,
+               const Matrix6& of_modes = Matrix6::Zero());
   /// Adds a measurement of two directions of the pose, if it is more exact than what is known. The
   /// errors of such readings last, so that many of them are no better than one.
   /// @param read the directions, base frame. @param sigma of the measurement
@@ -83,6 +86,8 @@ class EstimateCovariance {
   Matrix6 covariance() const;
   /// The part of the covariance that comes from the start, from motion and from depth.
   Matrix6 ofMotion() const { return noise_.topLeftCorner<6, 6>(); }
+  /// Standard deviations of the velocity, whatever the cause of its errors, m/s and rad/s.
+  Vector6 velocitySigma() const;
   /// Covariance after the last correction if lines were independent, as the refinement assumes.
   const Matrix6& refined() const { return refined_; }
   /// Standard deviation of the offset between a piece of a line and its image edge, scaled pixels.
@@ -101,11 +106,14 @@ class EstimateCovariance {
   /// Applies a linear map to the errors of pose and velocity, whatever their cause.
   void transform(const Matrix12& map);
   Matrix6 ofLines() const;
+  /// Second moment of the errors of the calibration, the known one among them.
+  Eigen::Matrix3d momentOfCalibration() const;
 
   Matrix12 noise_;                     // from the start and from motion
   Matrix6 refined_ = Matrix6::Zero();  // see refined()
   bool by_velocity_ = false;           // the last motion was predicted by the velocity
   Matrix6 velocity_gain_ = Matrix6::Zero();
+  Matrix6 of_modes_ = Matrix6::Zero();  // of the last correction, moved since
   // Errors of pose and velocity per unit of an offset or error. The numbers of pieces fit in
   // memory: at most those of lines that were in view lately.
   std::map<uint32_t, Vector12> by_piece_;

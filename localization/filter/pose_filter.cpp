@@ -250,15 +250,19 @@ PoseScore PoseFilter::sharpenEstimate(const LocalizationMap& map,
   report->used_samples = sharp.used_samples;
   if (!refinement_.enabled) return compared[0];  // the estimate is that of the particles
   estimate_.mean = is_better ? sharp.pose : cloud.mean;
-  covariance_.correct(map.observe(views, estimate_.mean), predictive.core().covariance);
+  // In clean rooms the variance of the particles is up to this many times that of the refinement.
+  constexpr double kWide = 6;
+  const PoseObservation seen = map.observe(views, estimate_.mean);
+  const Matrix6& prior = predictive.core().covariance;
+  const Matrix6 narrow = inverseOf(inverseOf(prior + 1e-12 * Matrix6::Identity()) +
+                                   seen.information + seen.depth_information);
+  covariance_.correct(seen, prior, otherModes(estimate_.mean, kWide * narrow));
   if (report->passes > 1) {
     // The particles are spread wider than the refinement reaches, so it may have found another mode
     // than that of the true pose. The spread of the particles tells.
     const Twist shift = logSe3(estimate_.mean.inverse() * cloud.mean);
     covariance_.widen(cloud.covariance + shift * shift.transpose());
   }
-  // In clean rooms the variance of the particles is up to this many times that of the refinement.
-  constexpr double kWide = 6;
   estimate_.covariance = covariance_.covariance();
   const Matrix6 own = estimate_.covariance + kWide * covariance_.refined();
   estimate_.covariance += otherModes(estimate_.mean, own);

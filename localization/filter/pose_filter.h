@@ -83,6 +83,8 @@ class PoseFilter {
   /// 0.2 m/s and 0.2 rad/s. initialize() and setParticles() forget it.
   /// @param velocity base frame, m/s and rad/s.
   void setVelocity(const Twist& velocity);
+  /// Standard deviations of the velocity for predictions without odometry, m/s and rad/s.
+  Vector6 velocitySigma() const { return covariance_.velocitySigma(); }
   /// The velocity is 0, with the standard deviations of a robot of which nothing is known.
   void forgetVelocity();
 

@@ -190,6 +190,7 @@ void LiveLocalizer::predictBlindly(double dt) {
   if (searching_) finder_->move(BaseMotion::of(p, std::nullopt, dt));
   if (!initial_) return;
   const Pose before = filter_.estimate().mean;
+  const Vector6 drift = filter_.velocitySigma() * dt;
   // After so long the clock has jumped, or the robot may be anywhere. It is looked for where it
   // was.
   constexpr double kPause = 10, kNear = 0.3;  // s
@@ -199,8 +200,7 @@ void LiveLocalizer::predictBlindly(double dt) {
   } else {
     filter_.predictWithoutOdometry(std::min(dt, tracking_.max_gap), dt);
   }
-  // The constant-velocity model moves the expected pose, too.
-  proof_.move(before.inverse() * filter_.estimate().mean, walkNoise(p, dt));
+  proof_.moveByVelocity(before.inverse() * filter_.estimate().mean, walkNoise(p, dt), drift);
 }
 
 void LiveLocalizer::follow(const LiveInput& input, double dt) {

@@ -54,16 +54,25 @@ void PoseProof::begin(bool needed) {
 }
 
 void PoseProof::move(const Pose& step, const Vector6& sigma) {
-  if (expected_) expected_ = moved(*expected_, step, sigma);
-  for (Anchor& anchor : anchors_) anchor.pose = moved(anchor.pose, step, sigma);
+  moveByVelocity(step, sigma, Vector6::Zero());
 }
 
-bool PoseProof::isFarFrom(const PoseGaussian& expected, const PoseGaussian& estimate) const {
+void PoseProof::moveByVelocity(const Pose& step, const Vector6& sigma, const Vector6& drift) {
+  const auto move = [&](Anchor* anchor) {
+    anchor->pose = moved(anchor->pose, step, sigma);
+    anchor->drift += drift;
+  };
+  if (expected_) move(&*expected_);
+  for (Anchor& anchor : anchors_) move(&anchor);
+}
+
+bool PoseProof::isFarFrom(const Anchor& anchor, const PoseGaussian& estimate) const {
   constexpr PoseTolerance kFloor = kProofFloor;
-  Matrix6 covariance = expected.covariance;
+  Matrix6 covariance = anchor.pose.covariance;
+  covariance.diagonal() += anchor.drift.cwiseAbs2();
   covariance.diagonal().head<3>().array() += kFloor.position * kFloor.position;
   covariance.diagonal().tail<3>().array() += kFloor.angle * kFloor.angle;
-  const Twist off = logSe3(expected.mean.inverse() * estimate.mean);
+  const Twist off = logSe3(anchor.pose.mean.inverse() * estimate.mean);
   return squaredMahalanobis(off, covariance) > (doubts_ > 0 || needed_ ? kFarInDoubt : kFar);
 }
 
@@ -72,7 +81,7 @@ bool PoseProof::isElsewhere(const PoseGaussian& estimate) const {
   // A pose that slides along the only line in view moves from one image to the next by less than
   // its covariance allows. So it is compared with older poses as well.
   return std::any_of(anchors_.begin(), anchors_.end(),
-                     [&](const Anchor& anchor) { return isFarFrom(anchor.pose, estimate); });
+                     [&](const Anchor& anchor) { return isFarFrom(anchor, estimate); });
 }
 
 bool PoseProof::showsLess(const ImageVerdict& image) const {
@@ -85,7 +94,7 @@ void PoseProof::trust(const ImageVerdict& image, const PoseGaussian& estimate) {
     if (usual_ratio_ == 0) usual_ratio_ = image.match_ratio;
     usual_ratio_ += kNewest * (image.match_ratio - usual_ratio_);
   }
-  expected_ = estimate;
+  expected_ = Anchor{image.time, estimate};
   if (anchors_.empty() || image.time >= anchors_.back().time + kSpacing)
     anchors_.push_back({image.time, estimate});
   while (anchors_.front().time < image.time - kOldest) anchors_.pop_front();
@@ -103,7 +112,7 @@ bool PoseProof::add(const ImageVerdict& image, const PoseGaussian& estimate) {
     since_.reset();
     anchors_.clear();
     usual_ratio_ = 0;
-    expected_ = estimate;  // later poses are compared with this one
+    expected_ = Anchor{image.time, estimate};  // later poses are compared with this one
   }
   doubts_ = 0;
   if (!since_) {

@@ -49,6 +49,10 @@ class PoseProof {
   /// Moves the remembered poses. @param step motion by odometry or as the filter expects, T_old_new
   /// @param sigma its standard deviations, m and rad
   void move(const Pose& step, const Vector6& sigma);
+  /// Moves them as a velocity predicts. An error of the velocity is about the same in every step,
+  /// so over a second it adds up, other than the noise.
+  /// @param drift standard deviations of the step by errors of the velocity, m and rad
+  void moveByVelocity(const Pose& step, const Vector6& sigma, const Vector6& drift);
 
   /// Adds an image. @param estimate pose after the image, T_map_base. @return whether the pose is
   /// trusted now
@@ -56,24 +60,25 @@ class PoseProof {
 
  private:
   struct Anchor {
-    double time;        // s
-    PoseGaussian pose;  // trusted then, moved by odometry since
+    double time;                      // s
+    PoseGaussian pose;                // trusted then, moved since
+    Vector6 drift = Vector6::Zero();  // of that motion, see moveByVelocity()
   };
 
-  bool isFarFrom(const PoseGaussian& expected, const PoseGaussian& estimate) const;
+  bool isFarFrom(const Anchor& anchor, const PoseGaussian& estimate) const;
   bool isElsewhere(const PoseGaussian& estimate) const;
   bool showsLess(const ImageVerdict& image) const;
   void trust(const ImageVerdict& image, const PoseGaussian& estimate);
 
   const double enough_ratio_;  // a lower match ratio takes more time; 0: there are no images
   bool needed_ = false, anywhere_ = false;
-  std::optional<PoseGaussian> expected_;  // the last trusted pose, moved by odometry
-  std::deque<Anchor> anchors_;            // earlier trusted poses, oldest first
-  double usual_ratio_ = 0;                // mean match ratio of the last trusted images
-  std::optional<double> since_;           // time from which all images fit, s
-  int doubts_ = 0;                        // images in a row that did not fit
-  int images_ = 0;                        // images in a row that fitted
-  double ratios_ = 0, lines_ = 0;         // sums over those
+  std::optional<Anchor> expected_;  // the last trusted pose
+  std::deque<Anchor> anchors_;      // earlier trusted poses, oldest first
+  double usual_ratio_ = 0;          // mean match ratio of the last trusted images
+  std::optional<double> since_;     // time from which all images fit, s
+  int doubts_ = 0;                  // images in a row that did not fit
+  int images_ = 0;                  // images in a row that fitted
+  double ratios_ = 0, lines_ = 0;   // sums over those
 };
 
 }  // namespace edge_mcl

@@ -273,6 +273,51 @@ std::vector<double> errorsByVelocity(size_t lines) {
   return nees;
 }
 
+/// A body whose images fit one of several poses at random. The estimate jumps among them, which is
+/// no motion. @return mean of the squared errors of the velocity over its variance
+double velocityErrorAmongModes(double jump) {
+  constexpr double kStep = 0.033, kUsual = 0.5, kNoise = 0.002;
+  const Matrix6 of_modes = jump * jump * Matrix6::Identity();
+  double squares = 0;
+  constexpr int kBodies = 200;
+  for (uint64_t seed = 1; seed <= kBodies; ++seed) {
+    RandomSource random(seed);
+    EstimateCovariance covariance;
+    covariance.reset(1e-6 * Matrix6::Identity());
+    covariance.setVelocity(Vector6::Constant(kUsual));
+    Twist pose = Twist::Zero(), estimate = Twist::Zero(), learnt = Twist::Zero();
+    Twist velocity = kUsual * random.normalTwist();
+    PoseObservation seen;
+    seen.information = 1e8 * Matrix6::Identity();  // each pose is seen to a tenth of a millimetre
+    for (int k = 0; k < 10; ++k) {
+      const double lasting = 5 * (1 - std::exp(-kStep / 5)), kept = std::exp(-kStep / 5);
+      pose += lasting * velocity + kNoise * random.normalTwist();
+      velocity *= kept;
+      estimate += lasting * learnt;
+      learnt *= kept;
+      covariance.moveByVelocity(Pose::Identity(), Vector6::Constant(kNoise * kNoise), kStep, kStep,
+                                Vector6::Zero());
+      covariance.correct(seen, covariance.ofMotion(), of_modes);
+      const Twist correction = pose + jump * random.normalTwist() - estimate;
+      estimate += correction;
+      learnt += covariance.velocityGain() * correction;
+    }
+    squares += (velocity - learnt).cwiseQuotient(covariance.velocitySigma()).squaredNorm() / 6;
+  }
+  return squares / kBodies;
+}
+
+/// The mean of 1200 squares of a normal distribution has a standard error of 0.04. Jumps are taken
+/// as independent of one another. But a pose that jumps there jumps back, so the variance is too
+/// large.
+TEST(EstimateCovariance, AJumpAmongPosesThatFitIsNoMotion) {
+  EXPECT_NEAR(velocityErrorAmongModes(0), 1, 0.15);
+  for (const double jump : {0.01, 0.06}) {
+    EXPECT_LT(velocityErrorAmongModes(jump), 1.3) << jump;
+    EXPECT_GT(velocityErrorAmongModes(jump), 0.1) << jump;
+  }
+}
+
 /// Whether images show no direction, some, or all, the covariance is honest: a chi-square
 /// distribution of six degrees of freedom has the median 5.35 and 95 % below 12.6. The median of
 /// 200 bodies has a standard error of 0.25.

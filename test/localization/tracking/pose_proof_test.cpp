@@ -153,6 +153,26 @@ TEST_F(Followed, ItMayMoveAsOdometrySays) {
   EXPECT_TRUE(image(1));
 }
 
+/// A velocity that is off by 0.5 m/s moves the expected pose by 0.5 m in a second. With a known
+/// velocity such a pose is elsewhere.
+TEST_F(Followed, AnErrorOfTheVelocityIsNoOtherPlace) {
+  const Vector6 noise = Vector6::Constant(0.005);
+  const auto isTrustedAtTheEnd = [&](double velocity_sigma) {
+    PoseProof proof{Parameters()};
+    proof.begin(false);
+    Pose step = Pose::Identity();
+    step.translation().x() = 0.05;  // m in 0.1 s, but the robot stands still
+    bool trusted = true;
+    for (int i = 0; i < 12; ++i) {
+      proof.moveByVelocity(step, noise, Vector6::Constant(0.1 * velocity_sigma));
+      trusted = proof.add({0.1 * i, true, true, 0.9, 20}, at(0)) && trusted;
+    }
+    return trusted;
+  };
+  EXPECT_TRUE(isTrustedAtTheEnd(0.5));
+  EXPECT_FALSE(isTrustedAtTheEnd(0.05));
+}
+
 TEST_F(Followed, ItTakesLongerWithFewLinesAndWhereLessOfThemIsSeen) {
   proof_.begin(true);
   // With 2 instead of 6 lines the proof takes three times as long.
