@@ -105,7 +105,7 @@ void EstimateCovariance::correct(const PoseObservation& seen, const Matrix6& pri
   const Matrix6 prior_information = inverseOf(prior + 1e-12 * Matrix6::Identity());
   refined_ = inverseOf(prior_information + seen.information + seen.depth_information);
   velocity_gain_.setZero();
-  // The pose may have jumped from one mode and to another.
+  // The pose may have jumped to another mode before, and may do so now.
   const Matrix6 jump = of_modes_ + of_modes;
   if (by_velocity_)
     velocity_gain_ = noise_.bottomLeftCorner<6, 6>() *
@@ -233,7 +233,9 @@ Vector6 EstimateCovariance::velocitySigma() const {
   const double sigma = lineSigma();
   const Eigen::Matrix<double, 6, 3> shift = by_calibration_.bottomRows<6>();
   const Vector6 of_calibration = (shift * momentOfCalibration() * shift.transpose()).diagonal();
-  return (noise_.diagonal().tail<6>() + sigma * sigma * of_lines + of_calibration).cwiseSqrt();
+  return (noise_.diagonal().tail<6>() + sigma * sigma * of_lines + of_calibration)
+      .cwiseMax(0)
+      .cwiseSqrt();
 }
 
 }  // namespace edge_mcl

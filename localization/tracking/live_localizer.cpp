@@ -21,6 +21,11 @@ constexpr double kBlindly = 3;  // s
 /// Standard deviations of a look-alike, which the refinement has just found.
 constexpr PoseTolerance kJump{0.05, 1 * kDegree};
 
+/// Share of the depth on the model from which a surface counts as a proof of the pose. Of wrong
+/// poses with fewer than six lines one in twenty reaches it, or more
+/// (docs/decisions/tracking-probability.md).
+constexpr double kOnSurface = 0.97;
+
 }  // namespace
 
 LiveLocalizer::LiveLocalizer(std::shared_ptr<const LocalizationMap> map, bool search_in_background)
@@ -40,6 +45,7 @@ void LiveLocalizer::begin() {
   searching_ = false;
   mask_lifter_.forget();
   depth_masker_.forget();
+  surface_agreement_.forget();
   probability_.begin(false);
   look_alikes_.begin();
   proof_.begin(isSpreadWide());
@@ -67,6 +73,7 @@ void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
   finder_.reset();        // it refers to the old map
   mask_lifter_.forget();  // it knows the lines by number
   depth_masker_.forget();
+  surface_agreement_.forget();
   objects_.forget();
   calibration_checks_.forget();
   filter_.setFocalError(0);
@@ -76,10 +83,11 @@ void LiveLocalizer::setMap(std::shared_ptr<const LocalizationMap> map) {
 }
 
 bool LiveLocalizer::addToProof(double time, LiveResult* result) {
-  auto odds = result->updated ? oddsOf(result->report) : std::nullopt;
+  const std::optional<double> agreement = surface_agreement_.value();
+  auto odds = result->updated ? oddsOf(result->report, agreement) : std::nullopt;
   if (odds) {
-    if (result->look_alike_odds)
-      odds->log_odds = std::min(odds->log_odds, *result->look_alike_odds);
+    const LookAlikeWatch::Result& alike = result->look_alike;
+    if (alike.log_odds) odds = amongLookAlikes(*odds, *alike.log_odds, alike.by_motion);
     result->log_odds = odds->log_odds;
     probability_.add(time, *odds);
   } else {
@@ -89,8 +97,10 @@ bool LiveLocalizer::addToProof(double time, LiveResult* result) {
   const double ratio = result->report.used_samples > 0 ? result->match_ratio : 1;
   const bool contradicts = result->updated && (!result->report.has_information ||
                                                probability_.value() < tracking_.keep_probability);
-  return proof_.add({time, contradicts, isConfirmed(*result), ratio, result->report.visible_lines},
-                    filter_.estimate());
+  const bool on_surface = agreement && *agreement >= kOnSurface;
+  return proof_.add(
+      {time, contradicts, isConfirmed(*result), ratio, result->report.visible_lines, on_surface},
+      filter_.estimate());
 }
 
 void LiveLocalizer::setParticles(std::vector<Pose> poses, std::vector<double> log_weights) {
@@ -190,7 +200,7 @@ void LiveLocalizer::predictBlindly(double dt) {
   if (searching_) finder_->move(BaseMotion::of(p, std::nullopt, dt));
   if (!initial_) return;
   const Pose before = filter_.estimate().mean;
-  const Vector6 drift = filter_.velocitySigma() * dt;
+  const Vector6 drift = filter_.velocitySigma() * std::min(dt, tracking_.max_gap);
   // After so long the clock has jumped, or the robot may be anywhere. It is looked for where it
   // was.
   constexpr double kPause = 10, kNear = 0.3;  // s
@@ -240,6 +250,7 @@ std::string LiveLocalizer::useImages(std::vector<CameraView> views, LiveResult* 
     views.erase(std::remove_if(views.begin(), views.end(), hasImage), views.end());
     if (views.empty()) return problem;
   }
+  const Matrix6 predicted = filter_.estimate().covariance;
   result->report = filter_.update(*map_, views);
   result->updated = true;
   const UpdateReport& r = result->report;
@@ -250,10 +261,8 @@ std::string LiveLocalizer::useImages(std::vector<CameraView> views, LiveResult* 
   // search's.
   const auto odds = oddsOf(r);
   if (searching_ || !odds || odds->log_odds <= 0) return problem;
-  const LookAlikeWatch::Result watched =
-      look_alikes_.look(*map_, views, filter_.estimate().mean, *last_time_);
-  result->look_alike_odds = watched.log_odds;
-  result->look_alike = watched.better;
+  result->look_alike =
+      look_alikes_.look(*map_, views, filter_.estimate().mean, predicted, *last_time_);
   return problem;
 }
 
@@ -356,7 +365,7 @@ void LiveLocalizer::processImages(const LiveInput& input, LiveResult* result) {
     judge(input.time, trusted, result->updated);
     if (result->updated)
       odometry_.update(result->report, trusted && state() == LocalizerState::kTracking);
-    if (result->look_alike) return jumpTo(*result->look_alike, result);
+    if (result->look_alike.better) return jumpTo(*result->look_alike.better, result);
     learnUnderMasks(input, result->updated);
     followObjects(input, result);
     if (problem.empty()) checkCalibration(input, result);

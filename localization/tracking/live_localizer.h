@@ -21,6 +21,7 @@
 #include "edge_mcl/localization/tracking/pose_probability.h"
 #include "edge_mcl/localization/tracking/pose_proof.h"
 #include "edge_mcl/localization/tracking/stamp_guard.h"
+#include "edge_mcl/localization/tracking/surface_agreement.h"
 
 namespace edge_mcl {
 
@@ -75,8 +76,7 @@ struct LiveResult {
   double foreign_ms = 0;             ///< time for masks by depth, ms
   std::vector<ObjectState> objects;  ///< not in the model, known so far; with masks by depth
   double objects_ms = 0;             ///< time for following them, ms
-  std::optional<double> look_alike_odds;  ///< see LookAlikeWatch::Result
-  std::optional<Pose> look_alike;         ///< T_map_base, a pose that fits better
+  LookAlikeWatch::Result look_alike;
   double match_ratio = 0;  ///< share of the visible samples with an image edge in reach
   std::vector<std::shared_ptr<const PreparedImage>> images;  ///< those that can be used
   std::vector<size_t> image_numbers;  ///< number of the view of every image in `images`
@@ -200,6 +200,7 @@ class LiveLocalizer {
   LookAlikeWatch look_alikes_;
   MaskLifter mask_lifter_;
   DepthMasker depth_masker_;
+  SurfaceAgreement surface_agreement_;
   // Of the present moment: numbers of depth images, and what they show in front of the model.
   std::vector<std::pair<size_t, ForeignPoints>> foreign_;
   ObjectFollower objects_;

@@ -76,7 +76,8 @@ std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& i
   constexpr double kLeastAgreement = 0.7;
   std::vector<DepthMasker::Foreign> foreign;
   foreign_.clear();
-  if (!tracking_.mask_by_depth || searching_ || !isInitialized()) {
+  surface_agreement_.begin(input.time, filter_.estimate());
+  if (!tracking_.mask_by_depth || !isInitialized()) {
     depth_masker_.forget();
     return foreign;
   }
@@ -88,6 +89,8 @@ std::vector<DepthMasker::Foreign> LiveLocalizer::foreignParts(const LiveInput& i
       DepthMasker::Foreign found =
           DepthMasker::find(*map_, depth.image, filter_.estimate(), depth.T_base_camera, has_masks);
       const double agreement = found.points.agreement;
+      surface_agreement_.add(found.points);
+      if (searching_) continue;  // the search sees the whole image
       result->foreign_agreement = std::max(result->foreign_agreement, agreement);
       result->depth_agrees = result->foreign_agreement >= kLeastAgreement;
       if (agreement < (is_likely ? kLeastAgreement : kAgreement)) continue;

@@ -16,12 +16,14 @@ class LookAlikeWatch {
     /// Natural logarithm of P(pose) / P(best look-alike) by this image, at most one that is far
     /// enough away to be wrong. None: not asked, there is none, or it is better for the first time.
     std::optional<double> log_odds;
+    /// The same by motion: a look-alike outside the covariance of the prediction needs a jump.
+    double by_motion = 0;
     /// The look-alike (T_map_base), when the same one has been better twice in a row.
     std::optional<Pose> better;
   };
-  /// @param time s @param pose T_map_base
+  /// @param pose T_map_base @param predicted covariance before the image @param time s
   Result look(const LocalizationMap& map, const std::vector<CameraView>& views, const Pose& pose,
-              double time);
+              const Matrix6& predicted, double time);
   /// Starts at a new pose.
   void begin() { *this = {}; }
 

@@ -19,8 +19,17 @@ struct ImageOdds {
 /// Odds that one image gives to the pose. It compares the pose with poses turned away from it in
 /// the same image (UpdateReport::contrast), so it needs no limit that depends on the building. The
 /// factors come from a logistic regression, see docs/decisions/tracking-probability.md.
+/// @param agreement share of a depth image that lies on the model, without what is in front of it
+/// (ForeignPoints::agreement). Wrong poses that fit the lines by chance seldom fit the surfaces.
+/// none: it is not known
 /// @return none: the image told nothing
-std::optional<ImageOdds> oddsOf(const UpdateReport& report);
+std::optional<ImageOdds> oddsOf(const UpdateReport& report,
+                                std::optional<double> agreement = std::nullopt);
+
+/// What an image tells where another pose looks alike.
+/// @param log_odds of the pose against the other one, by the image. @param by_motion the same by
+/// motion, see LookAlikeWatch::Result
+ImageOdds amongLookAlikes(ImageOdds image, double log_odds, double by_motion);
 
 /// Follows the probability from image to image: a hidden Markov model of two states, right and
 /// wrong. Images that follow one another see about the same, so they count together as one.

@@ -16,6 +16,9 @@ namespace {
 /// Lines in view that make a pose unlikely to fit by chance. A pose has six degrees of freedom, and
 /// a line fixes at least one. A pose that may be anywhere in the model has more places to fit.
 constexpr double kManyLines = 6, kManyLinesAnywhere = 15;
+/// A surface that fits fixes three degrees of freedom. It does not count where the pose may be
+/// anywhere: every bare wall fits there.
+constexpr double kLinesOfSurface = 3;
 
 /// Squared Mahalanobis distance from which a pose is elsewhere. Of six-dimensional Gaussian errors
 /// (chi-square, 6 degrees of freedom) less than one in a million is beyond kFar and one in twenty
@@ -60,7 +63,8 @@ void PoseProof::move(const Pose& step, const Vector6& sigma) {
 void PoseProof::moveByVelocity(const Pose& step, const Vector6& sigma, const Vector6& drift) {
   const auto move = [&](Anchor* anchor) {
     anchor->pose = moved(anchor->pose, step, sigma);
-    anchor->drift += drift;
+    anchor->drift = adjoint(step.inverse()) * anchor->drift;
+    anchor->drift.diagonal() += drift;
   };
   if (expected_) move(&*expected_);
   for (Anchor& anchor : anchors_) move(&anchor);
@@ -69,7 +73,7 @@ void PoseProof::moveByVelocity(const Pose& step, const Vector6& sigma, const Vec
 bool PoseProof::isFarFrom(const Anchor& anchor, const PoseGaussian& estimate) const {
   constexpr PoseTolerance kFloor = kProofFloor;
   Matrix6 covariance = anchor.pose.covariance;
-  covariance.diagonal() += anchor.drift.cwiseAbs2();
+  covariance += anchor.drift * anchor.drift.transpose();
   covariance.diagonal().head<3>().array() += kFloor.position * kFloor.position;
   covariance.diagonal().tail<3>().array() += kFloor.angle * kFloor.angle;
   const Twist off = logSe3(anchor.pose.mean.inverse() * estimate.mean);
@@ -116,13 +120,15 @@ bool PoseProof::add(const ImageVerdict& image, const PoseGaussian& estimate) {
   }
   doubts_ = 0;
   if (!since_) {
+    // Later images of the proof are compared with its first one. The pose before may be long ago.
+    if (needed_) expected_ = Anchor{image.time, estimate};
     since_ = image.time;
     images_ = 0;
     ratios_ = lines_ = 0;
   }
   ++images_;
   ratios_ += image.match_ratio;
-  lines_ += image.lines;
+  lines_ += image.lines + (image.on_surface && image.lines > 0 && !anywhere_ ? kLinesOfSurface : 0);
   if (needed_) {
     // At a wrong place that looks alike, less of the model fits, and few lines fit in many places.
     // Where that is so at the right place too, the proof takes longer. The search has the same

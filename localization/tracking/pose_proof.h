@@ -14,9 +14,10 @@ struct ImageVerdict {
   double time = 0;  ///< s
   /// When it does not confirm the pose: it speaks against the pose, rather than telling little.
   bool contradicts = false;
-  bool confirmed = false;  ///< the image was used and fits
-  double match_ratio = 1;  ///< share of the visible samples with an image edge in reach
-  double lines = 0;        ///< model lines in view; 0: only depth was compared
+  bool confirmed = false;   ///< the image was used and fits
+  double match_ratio = 1;   ///< share of the visible samples with an image edge in reach
+  double lines = 0;         ///< model lines in view; 0: only depth was compared
+  bool on_surface = false;  ///< nearly all of a depth image lies on the model
 };
 
 /// While a pose is followed, one image that fits is enough. In three cases it may fit by chance,
@@ -62,7 +63,7 @@ class PoseProof {
   struct Anchor {
     double time;                      // s
     PoseGaussian pose;                // trusted then, moved since
-    Vector6 drift = Vector6::Zero();  // of that motion, see moveByVelocity()
+    Matrix6 drift = Matrix6::Zero();  // of that motion, see moveByVelocity(); per unit error
   };
 
   bool isFarFrom(const Anchor& anchor, const PoseGaussian& estimate) const;

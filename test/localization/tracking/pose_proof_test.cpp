@@ -173,6 +173,34 @@ TEST_F(Followed, AnErrorOfTheVelocityIsNoOtherPlace) {
   EXPECT_FALSE(isTrustedAtTheEnd(0.05));
 }
 
+/// Three lines and a surface are as good as six lines, but not where any bare wall would fit.
+TEST_F(Followed, ASurfaceThatFitsCountsAsThreeLines) {
+  const auto imagesUntilTrusted = [](bool anywhere) {
+    PoseProof proof{Parameters()};
+    proof.begin(true);
+    if (anywhere) proof.require(true);
+    PoseGaussian pose;
+    pose.covariance = Matrix6::Identity() * 1e-4;
+    int count = 1;
+    while (!proof.add({0.1 * count, true, true, 0.9, 3, true}, pose) && count < 300) ++count;
+    return count;
+  };
+  EXPECT_NEAR(imagesUntilTrusted(false), 11, 1);
+  EXPECT_NEAR(imagesUntilTrusted(true), 251, 3);  // (15 / 3)^2 s
+}
+
+/// After 10 s in the dark the robot may be anywhere within some metres. But the images of one proof
+/// must agree with each other.
+TEST_F(Followed, ImagesThatFitInTwoPlacesProveNeither) {
+  proof_.begin(false);
+  EXPECT_TRUE(image(0));
+  const Vector6 noise = Vector6::Constant(0.005), drift = Vector6::Constant(0.05);
+  for (int i = 0; i < 100; ++i) proof_.moveByVelocity(Pose::Identity(), noise, drift);
+  time_ += 10;
+  proof_.interrupt(false);
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(image(i % 2)) << i;
+}
+
 TEST_F(Followed, ItTakesLongerWithFewLinesAndWhereLessOfThemIsSeen) {
   proof_.begin(true);
   // With 2 instead of 6 lines the proof takes three times as long.
