@@ -61,9 +61,10 @@ class PoseProof {
 
  private:
   struct Anchor {
-    double time;                      // s
-    PoseGaussian pose;                // trusted then, moved since
-    Matrix6 drift = Matrix6::Zero();  // of that motion, see moveByVelocity(); per unit error
+    double time;        // s
+    PoseGaussian pose;  // trusted then, moved since
+    /// A column for each axis of the velocity: how far its error has moved the pose.
+    Matrix6 drift = Matrix6::Zero();
   };
 
   bool isFarFrom(const Anchor& anchor, const PoseGaussian& estimate) const;
